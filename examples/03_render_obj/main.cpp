@@ -102,7 +102,8 @@ int main(int argc, char** argv) try {
     claray::Warnings warnings;
     claray::Scene scene = claray::load_obj(input, warnings);
     for (const std::string& warning : warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
-    scene.sky = {glm::vec3(0.25f), glm::vec3(0.2f, 0.25f, 0.4f)};  // some light for scenes without a lamp
+    if (scene.environment.images.empty())  // load_obj lights a scene without a lamp
+        scene.sky = {glm::vec3(0.25f), glm::vec3(0.2f, 0.25f, 0.4f)};
 
     claray::RenderConfig config;
     config.width = 320, config.height = 240, config.spp = 64;

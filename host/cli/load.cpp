@@ -37,14 +37,15 @@ void refuse_unseen(const std::string& name, const Scene& scene) {
                 "export the mesh again");
 }
 
-/// The light that a dark scene got, as the command line would give it.
-LightOptions added_light(const Scene& scene, std::size_t lights_before) {
-    LightOptions added;
-    if (scene.lights.size() > lights_before)
-        added.lights = {scene.lights.back()};
-    else
-        added.sky = scene.sky;
-    return added;
+/// Lines about what was chosen to show a file, with the options that choose otherwise.
+Warnings lines_of(const Chosen& chosen) {
+    const std::string sides = chosen.past_backs ? "; --cull none shows one-sided surfaces from both sides" : "";
+    Warnings lines;
+    if (!chosen.view.empty()) lines.push_back(chosen.view + "; choose another with --camera and --look-at" + sides);
+    if (!chosen.light.empty())
+        lines.push_back(chosen.light + "; choose other light with --light, --sky or --environment" +
+                        (chosen.view.empty() ? sides : ""));
+    return lines;
 }
 
 }  // namespace
@@ -103,8 +104,7 @@ void add_surface_options(CLI::App& command, SurfaceOptions& o) {
 }
 
 Scene load(const std::string& name, const LoadOptions& options, const LightOptions& lights,
-           const SurfaceOptions& surfaces, const ChooseCamera& choose, float aspect,
-           std::optional<LightOptions>* default_light) {
+           const SurfaceOptions& surfaces, const ViewChoice& view, std::optional<DefaultLight>* default_light) {
     Warnings warnings;
     auto [scene, is_file] = load_without_light(name, warnings, options);
     if (surfaces.clockwise_front) flip_fronts(scene);
@@ -115,18 +115,16 @@ Scene load(const std::string& name, const LoadOptions& options, const LightOptio
         if (surfaces.texture_filter) texture.filter = Filter(*surfaces.texture_filter);
     print_warnings(warnings);
     if (!options.time) refuse_unseen(name, scene);  // an animation may hide all for a while
-    const bool chosen = add_lights(scene, lights);
-    if (choose) scene.camera = choose(scene);
-    if (chosen || !is_file) return scene;
-    if (default_light && *default_light) {
-        add_lights(scene, **default_light);
-        return scene;
-    }
-    const Camera camera = camera_of(scene);
-    const std::size_t lights_before = scene.lights.size();
-    const auto line = light_if_dark(scene, camera, aspect);
-    if (line) print_warnings({*line + "; choose other light with --light, --sky or --environment"});
-    if (default_light) *default_light = line ? added_light(scene, lights_before) : LightOptions();
+    const bool lit = add_lights(scene, lights), has_camera = scene.camera.has_value();
+    if (view.camera) scene.camera = view.camera(scene);
+    if (!is_file) return scene;
+    const bool is_later_frame = default_light && *default_light;
+    if (is_later_frame && !lit) add(scene, **default_light);
+    if (is_later_frame) return scene;
+    const MayChoose may{!lit, !has_camera && view.inside, view.inside.value_or(0.f)};
+    const Chosen chosen = make_visible(scene, camera_of(scene), view.aspect, may);
+    print_warnings(lines_of(chosen));
+    if (default_light) *default_light = chosen.added;
     return scene;
 }
 

@@ -6,6 +6,7 @@
 
 #include "claray/io.hpp"
 #include "host/cli/options/light_options.hpp"
+#include "host/io/default_light.hpp"
 
 namespace claray::cli {
 
@@ -21,16 +22,21 @@ struct SurfaceOptions {
 };
 void add_surface_options(CLI::App& command, SurfaceOptions& options);
 
-using ChooseCamera = std::function<Camera(const Scene&)>;
+/// How `load` finds the camera of a scene.
+struct ViewChoice {
+    std::function<Camera(const Scene&)> camera = {};  ///< replaces the scene's
+    std::optional<float> inside = {};  ///< field of view of a camera that may replace it, inside of rooms
+    float aspect = 1.f;
+};
 
 /// Options that select parts of a file: all but the camera.
 void add_load_options(CLI::App& command, LoadOptions& options);
 
-/// Loads a scene, with lights and sides of surfaces of the command line. Without any light, a file that would be dark
-/// is lit as by `load_scene`. `choose` replaces the camera. `default_light` is the light of all frames of an animation
-/// whose file is dark; the first frame sets it. Throws ErrorKind::user if the scene has triangles but none can be seen.
+/// Loads a scene, with lights and sides of surfaces of the command line. A file that shows nothing gets light and a
+/// view as by `load_scene`. `default_light` is the light of all frames of an animation whose file is dark; the first
+/// frame sets it. Throws ErrorKind::user if the scene has triangles but none can be seen.
 [[nodiscard]] Scene load(const std::string& name, const LoadOptions& options, const LightOptions& lights,
-                         const SurfaceOptions& surfaces, const ChooseCamera& choose = {}, float aspect = 1.f,
-                         std::optional<LightOptions>* default_light = nullptr);
+                         const SurfaceOptions& surfaces, const ViewChoice& view = {},
+                         std::optional<DefaultLight>* default_light = nullptr);
 
 }  // namespace claray::cli

@@ -42,6 +42,7 @@ struct PictureJob {
     const std::vector<Device>& devices;
     ranks::Ranks* helpers = nullptr;                                      // ranks that render parts of it
     std::function<void(const std::vector<glm::vec3>&)> add_to_film = {};  // instead of a file
+    std::optional<float>* exposure = nullptr;                             // of all frames; the first one sets it
     std::filesystem::path folder = {};                                    // for files, instead of the output's
     std::function<bool()> goes_on = [] { return !InterruptGuard::interrupted(); };
 };
@@ -112,9 +113,8 @@ void refuse_lost_checkpoint(const std::string& error) {
 
 /// A warning, not an error: scripts use the same options for all kinds of images.
 void warn_of_picture_options(const RenderOptions& options) {
-    const bool film = is_film(options.output);
-    const bool shaped = options.exposure != 0 || options.tone_map != RenderOptions{}.tone_map;
-    if (shaped && !film && !options.output.empty() && options.output.extension() != ".png")
+    const bool shaped = options.exposure || options.auto_exposure || options.tone_map != RenderOptions{}.tone_map;
+    if (shaped && !options.output.empty() && !is_of_bytes(options.output))
         print_warning("--exposure and --tone-map apply to .png only: '" + options.output.string() +
                       "' stores the radiance unchanged");
 }
@@ -129,7 +129,7 @@ void write_rendered(const PictureJob& job, const Renderer& renderer, const std::
 }
 
 /// Returns false if it was interrupted.
-bool render_picture(const PictureJob& job, const Scene& scene, const RenderOptions& options, Writes& writes) {
+bool render_picture(const PictureJob& job, const Scene& scene, RenderOptions options, Writes& writes) {
     const Device& device = job.devices.front();
     RenderConfig config = options.config;
     if (!options.wait_for_kernels) config.compiler = this_program();
@@ -146,11 +146,16 @@ bool render_picture(const PictureJob& job, const Scene& scene, const RenderOptio
     const Renderer& renderer = picture.renderer();
     const std::vector<DeviceShare> shares = picture.group ? picture.group->shares() : std::vector<DeviceShare>();
     const Denoised denoised = denoise(renderer, options);
-    write_rendered(job, renderer, options.denoiser ? denoised.image : renderer.image(), options, writes);
+    const std::vector<glm::vec3> pixels = options.denoiser ? denoised.image : renderer.image();
+    if (job.exposure && *job.exposure) options.exposure = *job.exposure;
+    choose_exposure(pixels, &renderer, options);
+    if (job.exposure) *job.exposure = options.exposure;
+    write_rendered(job, renderer, pixels, options, writes);
     if (!options.trace.empty())
         writes.attempt([&] { write_trace(options.trace, device.profiler().records(), device.info().name); });
     const TargetPlan* planned = plan ? &*plan : nullptr;
     if (options.output == "-") return !outcome.interrupted;  // standard output has the film
+    if (!picture.group) tell_of_idle_options(renderer, options);
     options.json ? print_as_json(device, renderer, options, outcome, planned, denoised, shares)
                  : print_as_text(device, renderer, options, outcome, planned, denoised, shares);
     writes.attempt([&] { refuse_lost_checkpoint(picture.checkpoint_error()); });
@@ -180,6 +185,7 @@ public:
     /// Returns false if it was interrupted. The device keeps the kernels of one frame for the others.
     bool render(unsigned frame, const Scene& scene, ranks::Ranks* helpers) {
         PictureJob job{devices_, helpers};
+        job.exposure = &exposure_;
         if (film_) job.add_to_film = [&, frame](const std::vector<glm::vec3>& pixels) { add_to_film(frame, pixels); };
         tell_of_signals_until_guarded();
         const bool goes_on = render_picture(job, scene, options_of_frame(options_, frame), writes_);
@@ -212,7 +218,7 @@ private:
         const std::lock_guard lock(adding_);
         early_.emplace(frame, pixels);
         for (; early_.contains(next_of_film_); early_.erase(next_of_film_++))
-            film_->add(early_[next_of_film_], options_.exposure, options_.tone_map);
+            film_->add(early_[next_of_film_], exposure_.value_or(0.f), options_.tone_map);
     }
 
     const std::vector<Device>& devices_;
@@ -220,6 +226,7 @@ private:
     Writes& writes_;
     std::mutex loading_, adding_;
     FirstFrame first_;
+    std::optional<float> exposure_;  // by the first frame
     std::optional<Y4mFilm> film_;
     unsigned next_of_film_;
     std::map<unsigned, std::vector<glm::vec3>> early_;
@@ -270,7 +277,9 @@ std::optional<ranks::RenderedFrame> render_for_rank_0(const std::vector<Device>&
     const auto folder = scratch_folder();
     ranks::RenderedFrame rendered;
     rendered.frame = frame.number;
-    PictureJob job{devices, nullptr, {}, *folder, goes_on};
+    PictureJob job{devices, nullptr, {}, nullptr, *folder, goes_on};
+    std::optional<float> exposure = options.exposure.value_or(0.f);  // the same on all ranks
+    job.exposure = &exposure;
     if (is_film(options.output))
         job.add_to_film = [&](const std::vector<glm::vec3>& pixels) { rendered.pixels = pixels; };
     Writes writes;
@@ -305,6 +314,8 @@ void refuse_several(const std::vector<Device>& devices, const RenderOptions& opt
     if (options.fps > 0) refuse("--fps", "name one with --device, without mpirun");
     if (options.config.adaptive)
         refuse("--adaptive", "name one with --device, without mpirun, or leave out --adaptive");
+    if (options.auto_exposure && options.animation && rank_session() != nullptr)
+        refuse("--exposure auto with --frames", "give a number of stops, so that all ranks use the same");
     if (!options.trace.empty()) refuse("--trace", "name one with --device, without mpirun, or leave out --trace");
 }
 
@@ -366,6 +377,7 @@ void add_render_command(CLI::App& app, Action& action) {
     add_render_options(*command, *options);
     command->callback([&action, command, options] {
         check_targets(*command, *options);
+        options->asks_for_guiding = options->config.guide && command->count("--guide") > 0;
         check_render_options(*command);
         action = [options] { render(*options); };
     });

@@ -1,4 +1,5 @@
 // claray view: looks at a scene while it changes.
+#include <cmath>
 #include <cstdio>
 #include <memory>
 
@@ -9,7 +10,10 @@
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/options/render_options.hpp"
 #include "host/cli/options/view_options.hpp"
+#include "host/cli/output/brightness.hpp"
+#include "host/cli/output/messages.hpp"
 #include "host/cli/output/progress.hpp"
+#include "host/lights/light_probe.hpp"
 #include "host/view/input.hpp"
 #include "host/view/script.hpp"
 #include "host/view/terminal.hpp"
@@ -26,6 +30,7 @@ struct LiveOptions {
     std::filesystem::path script, output;
     int port = 8080;
     bool window = false, terminal = false, quiet = false;
+    bool chooses_exposure = false;
 };
 
 constexpr double script_step = 1. / 60;  // seconds of an animation per frame
@@ -59,6 +64,19 @@ void replay(view::View& view, const view::Script& script, const LiveOptions& opt
     print_times(report.answer_seconds, "answers of frames to commands");
 }
 
+/// The exposure that shows grey surfaces in the light of the scene's own lights, which may be in lux and candela.
+float exposure_for_lights(const Scene& scene, float aspect) {
+    if (scene.lights.empty() || triangle_count(scene) == 0) return 0;
+    const double grey = probe_light(scene, camera_of(scene, aspect), aspect).brightness;
+    if (grey <= white_luminance) return 0;
+    const auto stops = float(std::round(-10 * std::log2(2 * grey)) / 10);
+    print_warning(
+        printed("the surfaces would be mostly white: their exposure is %+.1f stops; choose another with "
+                "--exposure, 0 for none",
+                double(stops)));
+    return stops;
+}
+
 void look(const LiveOptions& options) {
     view::Script script;
     if (!options.script.empty()) script = view::read_script(options.script);
@@ -67,6 +85,8 @@ void look(const LiveOptions& options) {
     view::ViewConfig config = options.config;
     FirstFrame first;
     Scene scene = load_view(options.scene, options.view, config.render.width, config.render.height, &first);
+    if (options.chooses_exposure)
+        config.picture.exposure = exposure_for_lights(scene, float(config.render.width) / float(config.render.height));
     config.animation = animation_of(options, first);
     view::View view(device, std::move(scene), config);
     const InterruptGuard guard;
@@ -126,7 +146,9 @@ void add_view_command(CLI::App& app, Action& action) {
     add_light_grid_options(*command, render.light_grid);
     command->add_option("--max-depth", render.max_depth, "Surfaces per path, at most [128]")
         ->transform(whole_number(1, 1024));
-    command->add_option("--exposure", options->config.picture.exposure, "Brighten by this many stops [0]")
+    command
+        ->add_option("--exposure", options->config.picture.exposure,
+                     "Brighten by this many stops [0; darker if the scene's lights make surfaces white]")
         ->check(finite_number());
     command
         ->add_option("--answer", options->config.answer_seconds,
@@ -142,6 +164,7 @@ void add_view_command(CLI::App& app, Action& action) {
         refuse_both(*command, "--script", {"--window", "--terminal", "--port", "--host"}, "a script needs no display");
         refuse_both(*command, "--window", {"--terminal", "--port", "--host"}, "there is one display");
         refuse_both(*command, "--terminal", {"--port", "--host"}, "there is one display");
+        options->chooses_exposure = command->count("--exposure") == 0;
         action = [options] { look(*options); };
     });
 }

@@ -1,4 +1,4 @@
-// Lights files that contain no light, or hardly any.
+// Light and views for files that lack them.
 #pragma once
 
 #include <optional>
@@ -13,7 +13,7 @@ struct LoadedScene {
     bool is_file = false;  ///< built-in scenes need no default light
 };
 
-/// As `load_scene`, `load_obj` and `load_gltf`, but these add no light to dark scenes: call `light_if_dark` afterwards.
+/// As `load_scene`, `load_obj` and `load_gltf`, but these add no light to dark scenes: call `make_visible` afterwards.
 [[nodiscard]] LoadedScene load_without_light(const std::string& name_or_path, Warnings& warnings,
                                              const LoadOptions& options);
 [[nodiscard]] Scene load_obj_without_light(const std::filesystem::path& path, Warnings& warnings,
@@ -26,10 +26,34 @@ struct LoadedScene {
 [[nodiscard]] std::optional<double> gltf_animation_seconds(const std::filesystem::path& path,
                                                            const LoadOptions& options);
 
-/// Lights a scene in which `camera` would see hardly anything by the scene's own lights: by a pale sky or, if no sky
-/// light reaches the view, by a lamp at the camera. Returns a line for the user; empty if the scene is unchanged.
-[[nodiscard]] std::optional<std::string> light_if_dark(Scene& scene, const Camera& camera, float aspect);
-/// As the scene's own camera sees it, else the automatic one.
-[[nodiscard]] std::optional<std::string> light_if_dark(Scene& scene);
+/// Light for scenes that have hardly any.
+struct DefaultLight {
+    std::optional<Sky> sky;
+    std::optional<Environment> environment;
+    std::optional<Light> lamp;
+};
+void add(Scene& scene, const DefaultLight& light);
+
+/// What claray may choose to show a file.
+struct MayChoose {
+    bool light = true;
+    bool view = true;         ///< from inside, if the scene is mostly rooms
+    float inside_fov = 60.f;  ///< degrees, vertical, of that view
+};
+
+/// What it chose, with a line for the user each; empty if nothing.
+struct Chosen {
+    std::string view, light;
+    bool past_backs = false;  ///< one-sided surfaces keep light from what the camera sees through them
+    DefaultLight added;
+    [[nodiscard]] std::string line() const { return view + (view.empty() || light.empty() ? "" : "; ") + light; }
+};
+
+/// Makes a scene visible to `camera`. If its own lights show hardly anything, it gets a neutral studio; rooms into
+/// which the sky shines get a pale sky, and closed ones a lamp at the camera. From inside of rooms that are seen from
+/// outside only, `Scene::camera` becomes a camera in there.
+[[nodiscard]] Chosen make_visible(Scene& scene, const Camera& camera, float aspect, const MayChoose& may);
+/// As the scene's own camera sees it, else the automatic one or one inside.
+[[nodiscard]] Chosen make_visible(Scene& scene);
 
 }  // namespace claray

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "host/base/in_parallel.hpp"
+#include "host/base/percentile.hpp"
 #include "host/base/random.hpp"
 #include "host/lights/lights.hpp"
 #include "host/lights/luminance.hpp"
@@ -31,15 +32,18 @@ enum class Through { openings, glass };
 struct ProbeSight {
     glm::dvec3 point, normal;  // normal on the viewer's side
     bool glows = false;        // emits visible light
+    bool plain = false;        // its material emits nothing
+    double distance = 0;       // from the viewer
+    double passed = 0;         // distance of the last one-sided surface before it, seen from its back; 0: none
 };
 
 class Probe {
 public:
-    explicit Probe(const Scene& scene)
-        : scene_(scene),
-          rays_(scene),
-          lights_(collect_lights(scene, {std::numeric_limits<std::size_t>::max(), 0, 32})) {
-        const Bounds bounds = bounds_of(scene);
+    explicit Probe(const ProbedScene& probed)
+        : scene_(probed.scene()),
+          rays_(probed.rays()),
+          lights_(collect_lights(scene_, {std::numeric_limits<std::size_t>::max(), 0, 32})) {
+        const Bounds bounds = bounds_of(scene_);
         if (!bounds.empty()) nudge_ = 1e-6 * glm::length(glm::dvec3(bounds.extent()));
         for (const TriangleLight& light : lights_.triangles) last_numbers_.push_back(light.cumulative);
         for (const PunctualLight& light : lights_.punctual) last_numbers_.push_back(light.cumulative);
@@ -59,15 +63,18 @@ private:
     [[nodiscard]] bool glows_at(const HostHit& hit) const;
     [[nodiscard]] double opacity_of(const HostHit& hit) const;
     [[nodiscard]] bool passes(const HostHit& hit, const glm::dvec3& direction, Through through) const;
+    [[nodiscard]] bool passes_back(const HostHit& hit, const glm::dvec3& direction) const {
+        return material_of(hit).cull_back && glm::dot(hit.normal, direction) > 0;
+    }
     [[nodiscard]] std::optional<HostHit> stop_of(const glm::dvec3& origin, const glm::dvec3& direction, double distance,
-                                                 Through through) const;
+                                                 Through through, double* passed_back = nullptr) const;
     [[nodiscard]] double irradiance(const ProbeSight& sight, scenes::Random& random) const;
     [[nodiscard]] double from_light(std::size_t light, const ProbeSight& sight, scenes::Random& random) const;
     [[nodiscard]] double from_lamp(const TriangleLight& light, const ProbeSight& sight, scenes::Random& random) const;
     [[nodiscard]] double from_punctual(const PunctualLight& light, const ProbeSight& sight) const;
 
     const Scene& scene_;
-    HostRays rays_;
+    const HostRays& rays_;
     Lights lights_;
     std::vector<std::uint32_t> last_numbers_;  // of all lights, see TriangleLight::cumulative
     double nudge_ = 1e-6;                      // offset of rays from surfaces and from lights
@@ -109,13 +116,12 @@ bool Probe::passes(const HostHit& hit, const glm::dvec3& direction, Through thro
     const bool glass =
         transmits(material.kind) || (material.kind == MaterialKind::principled && material.transmission > 0.5f);
     if (glass) return through == Through::glass;
-    if (material.cull_back && glm::dot(hit.normal, direction) > 0) return true;
-    return opacity_of(hit) < 0.5;
+    return passes_back(hit, direction) || opacity_of(hit) < 0.5;
 }
 
-/// The first surface that stops the ray.
+/// The first surface that stops the ray. `passed_back`: the distance of the last back that the ray passes before.
 std::optional<HostHit> Probe::stop_of(const glm::dvec3& origin, const glm::dvec3& direction, double distance,
-                                      Through through) const {
+                                      Through through, double* passed_back) const {
     const double step = nudge_ / glm::length(direction);
     double gone = 0;
     for (unsigned layer = 0; layer < most_layers; ++layer) {
@@ -123,6 +129,7 @@ std::optional<HostHit> Probe::stop_of(const glm::dvec3& origin, const glm::dvec3
         if (!hit) return {};
         hit->distance += gone;
         if (!passes(*hit, direction, through)) return hit;
+        if (passed_back && passes_back(*hit, direction)) *passed_back = hit->distance;
         gone = hit->distance + step;
     }
     return {};
@@ -130,11 +137,15 @@ std::optional<HostHit> Probe::stop_of(const glm::dvec3& origin, const glm::dvec3
 
 /// The surface that the camera sees along a ray; glass before an empty background counts as a surface.
 std::optional<ProbeSight> Probe::look(const glm::dvec3& origin, const glm::dvec3& direction) const {
-    std::optional<HostHit> hit = stop_of(origin, direction, endless, Through::openings);
+    double passed = 0;
+    std::optional<HostHit> hit = stop_of(origin, direction, endless, Through::openings, &passed);
     if (!hit) return {};
     if (const auto behind = stop_of(origin, direction, endless, Through::glass)) hit = behind;
     const glm::dvec3 normal = glm::dot(hit->normal, direction) > 0 ? -hit->normal : hit->normal;
-    return ProbeSight{origin + hit->distance * direction + nudge_ * normal, normal, glows_at(*hit)};
+    const Material& material = material_of(*hit);
+    const bool plain = material.emission == glm::vec3(0.f) && material.kind != MaterialKind::unlit;
+    const glm::dvec3 point = origin + hit->distance * direction + nudge_ * normal;
+    return ProbeSight{point, normal, glows_at(*hit), plain, hit->distance, passed};
 }
 
 /// Light from a random point of an emissive triangle, on the sides on which it emits.
@@ -219,7 +230,25 @@ double Probe::lit_grey(const ProbeSight& sight, scenes::Random& random, unsigned
 
 /// The counts of one row of camera rays.
 struct ProbedRow {
-    unsigned seen = 0, lit = 0, visible = 0, open = 0;
+    unsigned seen = 0, lit = 0, visible = 0, open = 0, plain = 0, plain_lit = 0;
+    std::vector<double> behind_backs;  // of each surface seen: as in LightProbe
+    std::vector<double> luminances;    // of those that are lit
+
+    void add(const ProbeSight& sight, double luminance, double depth_of_distance) {
+        constexpr double part = 0.25;  // of the way from the back to the surface
+        const bool is_lit = luminance >= visible_luminance;
+        if (is_lit) luminances.push_back(luminance);
+        seen += 1, lit += is_lit, visible += is_lit || sight.glows;
+        plain += sight.plain, plain_lit += sight.plain && is_lit;
+        const double place = sight.passed > 0 ? sight.passed + part * (sight.distance - sight.passed) : 0;
+        behind_backs.push_back(place * depth_of_distance);
+    }
+    void add(const ProbedRow& row) {
+        seen += row.seen, lit += row.lit, visible += row.visible, open += row.open;
+        plain += row.plain, plain_lit += row.plain_lit;
+        behind_backs.insert(behind_backs.end(), row.behind_backs.begin(), row.behind_backs.end());
+        luminances.insert(luminances.end(), row.luminances.begin(), row.luminances.end());
+    }
 };
 
 ProbedRow probe_row(const Probe& probe, const CameraData& camera, unsigned row) {
@@ -231,12 +260,12 @@ ProbedRow probe_row(const Probe& probe, const CameraData& camera, unsigned row) 
         const glm::dvec3 aside = x * glm::dvec3(camera.right_x, camera.right_y, camera.right_z) +
                                  y * glm::dvec3(camera.up_x, camera.up_y, camera.up_z);
         const glm::dvec3 position(camera.x, camera.y, camera.z);
-        const std::optional<ProbeSight> sight = camera.orthographic
-                                                    ? probe.look(position + aside, forward)
-                                                    : probe.look(position, glm::normalize(forward + aside));
+        const glm::dvec3 origin = camera.orthographic ? position + aside : position;
+        const glm::dvec3 direction = camera.orthographic ? forward : glm::normalize(forward + aside);
+        const std::optional<ProbeSight> sight = probe.look(origin, direction);
         if (!sight) continue;
-        const bool lit = probe.lit_grey(*sight, random, found.open) >= visible_luminance;
-        found.seen += 1, found.lit += lit, found.visible += lit || sight->glows;
+        const double luminance = probe.lit_grey(*sight, random, found.open);
+        found.add(*sight, luminance, glm::dot(direction, forward));
     }
     return found;
 }
@@ -298,18 +327,28 @@ Scene with_stand_ins(Scene scene) {
 
 }  // namespace
 
-LightProbe probe_light(const Scene& scene, const Camera& camera, float aspect) {
-    if (!scene.primitives.empty()) return probe_light(with_stand_ins(scene), camera, aspect);
+ProbedScene::ProbedScene(const Scene& scene)
+    : scene_(scene),
+      with_stand_ins_(scene.primitives.empty() ? std::nullopt : std::optional(with_stand_ins(scene))),
+      rays_(this->scene()) {}
+
+LightProbe probe_light(const ProbedScene& scene, const Camera& camera, float aspect) {
     const Probe probe(scene);
     const CameraData view = camera_data(camera, aspect);
     std::vector<ProbedRow> rows(side);
     in_parallel(side, [&](std::size_t i) { rows[i] = probe_row(probe, view, unsigned(i)); });
     ProbedRow sum;
-    for (const ProbedRow& row : rows)
-        sum.seen += row.seen, sum.lit += row.lit, sum.visible += row.visible, sum.open += row.open;
-    if (sum.seen == 0) return {probe.lights()};
+    for (const ProbedRow& row : rows) sum.add(row);
+    LightProbe shares;
+    shares.lights = probe.lights();
+    if (sum.seen == 0) return shares;
     const double seen = sum.seen;
-    return {probe.lights(), seen / (side * side), sum.lit / seen, sum.visible / seen, sum.open / (bounces * seen)};
+    shares.seen = seen / (side * side);
+    shares.lit = sum.lit / seen, shares.visible = sum.visible / seen, shares.open = sum.open / (bounces * seen);
+    shares.plain = sum.plain / seen, shares.plain_lit = sum.plain_lit / std::max(double(sum.plain), 1.0);
+    shares.behind_backs = percentile(sum.behind_backs, 0.5);
+    if (!sum.luminances.empty()) shares.brightness = percentile(sum.luminances, 0.75);
+    return shares;
 }
 
 }  // namespace claray

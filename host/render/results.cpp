@@ -87,6 +87,8 @@ RenderStatistics Renderer::statistics() const {
         statistics.parts = unsigned(parts->parts().size()), statistics.bytes_paged = parts->bytes_paged();
     statistics.dropped_samples = state.film.noise().dropped;
     statistics.measuring_seconds = state.measuring_seconds;
+    statistics.adapted = state.schedule.has_rounds();
+    statistics.guided = state.guide && state.guide->guides();
     return statistics;
 }
 

@@ -14,11 +14,53 @@ bool finite_vector(const glm::vec3& v) { return !glm::any(glm::isnan(v)) && !glm
     throw Error(ErrorKind::usage, std::string("camera: ") + what, remedy);
 }
 
+/// From the front, about 24 degrees from the right and 16 degrees from above.
+glm::dvec3 towards_camera() { return glm::normalize(glm::dvec3(0.45, 0.3, 1.0)); }
+
+/// Calls `visit` with points in the world that span the scene, and with radii around them. Of many vertices a part.
+template <class Visit>
+void visit_points(const Scene& scene, const Visit& visit) {
+    constexpr std::size_t enough = 2'000'000;
+    const auto visit_mesh = [&](const Mesh& mesh, const glm::mat4& transform, std::size_t stride) {
+        for (std::size_t i = 0; i < mesh.positions.size(); i += stride)
+            visit(glm::dvec3(transform * glm::vec4(mesh.positions[i], 1.f)), 0.0);
+    };
+    std::size_t vertices = 0;
+    const bool placed = !scene.instances.empty();
+    for (const Mesh& mesh : scene.meshes) vertices += placed ? 0 : mesh.positions.size();
+    const auto exists = [&](const MeshInstance& instance) { return instance.mesh < scene.meshes.size(); };
+    for (const MeshInstance& instance : scene.instances)
+        vertices += exists(instance) ? scene.meshes[instance.mesh].positions.size() : 0;
+    const std::size_t stride = 1 + vertices / enough;
+    for (const Mesh& mesh : scene.meshes)
+        if (!placed) visit_mesh(mesh, glm::mat4(1.f), stride);
+    for (const MeshInstance& instance : scene.instances)
+        for (const glm::mat4& transform : {instance.transform, instance.transform_end.value_or(instance.transform)})
+            if (exists(instance)) visit_mesh(scene.meshes[instance.mesh], transform, stride);
+    for (const PrimitiveSet& set : scene.primitives) {
+        const std::size_t step = set.kind == PrimitiveSet::Kind::discs ? 2 : 1;
+        const bool cylinders = set.kind == PrimitiveSet::Kind::cylinders;  // of which the first end has the radius
+        for (std::size_t i = 0; i < set.points.size(); i += step)
+            visit(glm::dvec3(set.points[i]), double(set.points[cylinders ? i - i % 2 : i].w));
+    }
+}
+
+/// What is in front of a camera, along one axis of the image: the two planes at its borders that touch the scene.
+struct Span {
+    double low = 1e300, high = -1e300;  // of x - k z and of x + k z, if the image ends at x = +-k depth
+
+    void grow(double x, double z, double radius, double slope) {
+        const double reach = radius * std::hypot(1.0, slope);
+        high = std::max(high, x + slope * z + reach);
+        low = std::min(low, x - slope * z - reach);
+    }
+    [[nodiscard]] double middle() const { return 0.5 * (low + high); }
+    [[nodiscard]] double distance(double slope) const { return 0.5 * (high - low) / slope; }
+};
+
 }  // namespace
 
 Camera automatic_camera(const Bounds& bounds, float vertical_fov, float aspect) {
-    // From the front, about 24 degrees from the right and 16 degrees from above.
-    const glm::dvec3 towards_camera = glm::normalize(glm::dvec3(0.45, 0.3, 1.0));
     const glm::dvec3 center = bounds.empty() ? glm::dvec3(0.0) : glm::dvec3(bounds.center());
     const double radius = bounds.empty() ? 0.0 : 0.5 * glm::length(glm::dvec3(bounds.hi) - glm::dvec3(bounds.lo));
 
@@ -30,14 +72,39 @@ Camera automatic_camera(const Bounds& bounds, float vertical_fov, float aspect) 
     if (!(radius > 0.0)) distance = std::max(1.0, 1e-6 * glm::length(center));
 
     Camera camera;
-    camera.position = glm::vec3(center + distance * towards_camera);
+    camera.position = glm::vec3(center + distance * towards_camera());
     camera.target = glm::vec3(center);
     camera.vertical_fov = vertical_fov;
     return camera;
 }
 
+Camera automatic_camera(const Scene& scene, float vertical_fov, float aspect) {
+    constexpr double share = 0.85;
+    const Bounds bounds = bounds_of(scene);
+    Camera camera = automatic_camera(bounds, vertical_fov, aspect);
+    if (bounds.empty() || bounds.extent() == glm::vec3(0.f)) return camera;
+
+    const glm::dvec3 center(bounds.center()), back = towards_camera();
+    const glm::dvec3 right = glm::normalize(glm::cross(glm::dvec3(camera.up), back)), up = glm::cross(back, right);
+    const double slope_up = share * std::tan(0.5 * glm::radians(double(vertical_fov))), slope_right = slope_up * aspect;
+    Span across, upwards;
+    visit_points(scene, [&](const glm::dvec3& point, double radius) {
+        const glm::dvec3 p = point - center;
+        const double x = glm::dot(p, right), y = glm::dot(p, up), z = glm::dot(p, back);
+        if (!std::isfinite(x + y + z + radius)) return;
+        across.grow(x, z, radius, slope_right);
+        upwards.grow(y, z, radius, slope_up);
+    });
+    const double distance = std::max(across.distance(slope_right), upwards.distance(slope_up));
+    if (!(distance > 0)) return camera;
+    const glm::dvec3 target = center + across.middle() * right + upwards.middle() * up;
+    camera.position = glm::vec3(target + distance * back);
+    camera.target = glm::vec3(target);
+    return camera;
+}
+
 Camera camera_of(const Scene& scene, float aspect) {
-    return scene.camera ? *scene.camera : automatic_camera(bounds_of(scene), 40.f, aspect);
+    return scene.camera ? *scene.camera : automatic_camera(scene, 40.f, aspect);
 }
 
 Camera orbited(const Camera& camera, float degrees) {

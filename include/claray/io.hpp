@@ -119,9 +119,10 @@ void flip_fronts(Scene& scene);
 
 /// Reads PNG, JPEG, WebP (8 bits, no animation), BMP, TGA, Radiance HDR, PFM or OpenEXR; the content decides the
 /// format. `eight_bit` is the meaning of bytes: srgb8 or linear8. Images of 16 bits become linear float32; HDR, PFM and
-/// EXR are float32 without conversion. Of an EXR with layers the colours without a prefix are read, else those of the
-/// first layer that has some. Limits: 16384 pixels per side and 1 GiB decoded. Throws ErrorKind::user, naming the file,
-/// if the file is missing, damaged, truncated or too large.
+/// EXR are linear float32, and colours of other primaries become those of Rec. 709. Of an EXR with layers the colours
+/// without a prefix are read, else those of the first layer that has some. What its display window shows is the image.
+/// Limits: 16384 pixels per side and 1 GiB decoded. Throws ErrorKind::user, naming the file, if the file is missing,
+/// damaged, truncated or too large.
 [[nodiscard]] Texture load_image(const std::filesystem::path& path, TexelFormat eight_bit = TexelFormat::srgb8);
 
 /// Returns the normals of a height field, as Material::normal_map reads them: 8 bits, +y up in the image. Slopes are
@@ -133,8 +134,10 @@ void flip_fronts(Scene& scene);
 /// write_image.
 void write_texture(const std::filesystem::path& path, const Texture& texture);
 
-/// Loads an image in latitude and longitude, or a folder with the faces of a cube, px nx py ny pz nz, with any
-/// extension that load_image reads. Throws ErrorKind::user, naming the file.
+/// Loads an image in latitude and longitude, an OpenEXR cube map (its attribute `envmap` tells), or a folder with the
+/// faces of a cube, px nx py ny pz nz, with any extension that load_image reads. Negative values count as 0 and
+/// infinite ones as the largest other, with a warning. Throws ErrorKind::user, naming the file.
+[[nodiscard]] Environment load_environment(const std::filesystem::path& path, Warnings& warnings);
 [[nodiscard]] Environment load_environment(const std::filesystem::path& path);
 
 /// An image of linear colours, row by row from the top left.

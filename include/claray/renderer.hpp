@@ -194,6 +194,8 @@ struct RenderStatistics {
     std::string longest_command;          ///< its name
     std::uint64_t dropped_samples = 0;    ///< as in RenderProgress
     double measuring_seconds = 0;         ///< part of the rendering time that was used to estimate noise and error
+    bool adapted = false;                 ///< whether adaptive sampling gave some pixels more samples than others
+    bool guided = false;                  ///< whether paths were guided, or will be by what was learnt so far
 };
 
 /// Per-pixel data of the first surface that is visible at the pixel's centre.

@@ -256,6 +256,9 @@ struct Scene {
 /// Returns a camera that looks at the centre of the bounds from the front, slightly from above and from the right. The
 /// bounding sphere just fits into the image. If the bounds have no extent, the distance is 1.
 [[nodiscard]] Camera automatic_camera(const Bounds& bounds, float vertical_fov = 40.f, float aspect = 1.f);
+/// Returns a camera that looks from the same direction at all of the scene, whose surfaces span 85 % of the image's
+/// height or width.
+[[nodiscard]] Camera automatic_camera(const Scene& scene, float vertical_fov = 40.f, float aspect = 1.f);
 /// Returns the camera of the scene, or an automatic one that sees it all.
 [[nodiscard]] Camera camera_of(const Scene& scene, float aspect = 1.f);
 

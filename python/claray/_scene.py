@@ -230,7 +230,7 @@ def load(name_or_path: str | os.PathLike[str], **choices: Any) -> Scene:
 
     choices, for glTF only: time (seconds of an animation), animation, variant, camera, scene (a name or an index).
     What a loader corrects or leaves out is reported by warnings.warn. A file whose own light shows hardly anything gets a
-    pale sky or a lamp, of which a renderer warns; queries need no light. Raises InputError, naming the file, for a damaged
+    studio, a pale sky or a lamp, and a file of rooms a view from inside. A renderer warns of them; queries need neither. Raises InputError, naming the file, for a damaged
     one, and UsageError for an unknown scene or choice.
     """
     options = _set_all(_native.NativeLoadOptions(), "load", choices)

@@ -26,17 +26,18 @@ std::vector<T> copy_of(const Array& array, std::size_t numbers_each) {
     return {span.begin(), span.end()};
 }
 
-/// The scene, warnings, and a line about light that was added, or None.
+/// The scene, warnings, and a line about the light and the view that were chosen, or None.
 nb::tuple load(const std::string& path, const LoadOptions& options) {
     Warnings warnings;
     LoadedScene loaded;
-    std::optional<std::string> light;
+    std::string chosen;
     {
         const nb::gil_scoped_release release;
         loaded = load_without_light(path, warnings, options);
-        if (loaded.is_file) light = light_if_dark(loaded.scene);
+        if (loaded.is_file) chosen = make_visible(loaded.scene).line();
     }
-    return nb::make_tuple(std::move(loaded.scene), std::vector<std::string>(warnings.begin(), warnings.end()), light);
+    return nb::make_tuple(std::move(loaded.scene), std::vector<std::string>(warnings.begin(), warnings.end()),
+                          chosen.empty() ? std::nullopt : std::optional(chosen));
 }
 
 std::size_t add_mesh(Scene& scene, const std::string& name, const Vertices& vertices, const Triangles& triangles,
@@ -198,6 +199,7 @@ void bind_scene(nb::module_& module) {
             "sky", [](const Scene& s) { return std::make_pair(s.sky.horizon, s.sky.zenith); },
             [](Scene& s, const std::pair<glm::vec3, glm::vec3>& colors) {
                 s.sky = {colors.first, colors.second};
+                s.environment = {};
             })
         .def_prop_rw(
             "camera", [](const Scene& s) { return camera_of(s); },

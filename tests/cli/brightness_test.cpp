@@ -1,7 +1,10 @@
 // A picture that shows nothing is told, with what to do.
 #include "host/cli/output/brightness.hpp"
 
+#include <cmath>
 #include <fstream>
+
+#include "claray/io.hpp"
 
 #include "tests/cli/claray.hpp"
 
@@ -33,6 +36,34 @@ TEST(Brightness, OfPixels) {
     EXPECT_EQ(warning({}, 0.f), "");
 }
 
+const char* fault_of(const std::vector<glm::vec3>& pixels, const std::vector<float>& depth = {},
+                     ToneMap tone_map = ToneMap::aces) {
+    const char* const fault = cli::SurfaceBrightness(pixels, depth, tone_map).fault();
+    return fault ? fault : "";
+}
+
+TEST(Brightness, OfSurfaces) {
+    std::vector<glm::vec3> pixels(1000, glm::vec3(0.f));
+    std::vector<float> depth(1000, INFINITY);
+    EXPECT_STREQ(fault_of(pixels, depth), "") << "no surface";
+    for (int i = 0; i < 100; ++i) pixels[std::size_t(i)] = glm::vec3(256.f), depth[std::size_t(i)] = 1.f;
+    EXPECT_STREQ(fault_of(pixels, depth), "white");
+    EXPECT_STREQ(fault_of(pixels), "white") << "black pixels are not lit";
+    EXPECT_NEAR(cli::SurfaceBrightness(pixels, depth).exposure(), -9, 1e-6);
+    for (int i = 100; i < 1000; ++i) pixels[std::size_t(i)] = glm::vec3(1.f);
+    EXPECT_STREQ(fault_of(pixels), "") << "the background is not white";
+    EXPECT_STREQ(fault_of(pixels, depth), "white");
+    for (int i = 0; i < 60; ++i) pixels[std::size_t(i)] = glm::vec3(0.5f);
+    EXPECT_STREQ(fault_of(pixels, depth), "") << "most surfaces are visible";
+    for (int i = 0; i < 100; ++i) pixels[std::size_t(i)] = glm::vec3(2.f);
+    EXPECT_STREQ(fault_of(pixels, depth), "");
+    EXPECT_STREQ(fault_of(pixels, depth, ToneMap::none), "white") << "which ends at 1";
+    for (int i = 0; i < 95; ++i) pixels[std::size_t(i)] = glm::vec3(1e-3f);
+    EXPECT_STREQ(fault_of(pixels, depth), "black");
+    for (int i = 0; i < 95; ++i) pixels[std::size_t(i)] = glm::vec3(0.f);
+    EXPECT_STREQ(fault_of(pixels, depth), "") << "what is lit is light enough";
+}
+
 /// A square that nothing lights.
 class DarkFile : public InFolder {
 protected:
@@ -58,7 +89,7 @@ bool tells(const ProcessResult& result, const std::string& words) {
 }
 
 constexpr const char* sky =
-    "the file has no light: added a pale sky as light; choose other light with --light, --sky or --env";
+    "the file has no light: added a neutral studio as light; choose other light with --light, --sky or --env";
 
 TEST_F(DarkFile, AllCommandsThatRenderLightIt) {
     EXPECT_TRUE(tells(render({}), sky));
@@ -70,15 +101,62 @@ TEST_F(DarkFile, AllCommandsThatRenderLightIt) {
 
 TEST_F(DarkFile, LightThatIsChosenIsNotDoubted) {
     const ProcessResult black = render({"--sky", "0"});
-    EXPECT_FALSE(tells(black, "pale sky"));
+    EXPECT_FALSE(tells(black, "studio"));
     EXPECT_TRUE(tells(black, "the image is black"));
     const ProcessResult dim = render({"--sky", "1e-3"});
-    EXPECT_FALSE(tells(dim, "pale sky"));
-    EXPECT_TRUE(tells(dim, "brighten it with --exposure"));
-    EXPECT_TRUE(tells(render({"--sky", "100"}), "most of the image is white; darken it with --exposure -"));
+    EXPECT_FALSE(tells(dim, "studio"));
+    EXPECT_TRUE(tells(dim, "the surfaces would be mostly black: their exposure is +"));
+    EXPECT_TRUE(tells(render({"--sky", "1e-3", "--exposure", "0"}), "brighten it with --exposure"));
+    EXPECT_TRUE(tells(render({"--sky", "100"}), "the surfaces would be mostly white: their exposure is -"));
+    EXPECT_TRUE(
+        tells(render({"--sky", "100", "--exposure", "0"}), "most of the image is white; darken it with --exposure -"));
     EXPECT_EQ(render({"--sky", "1"}).errors, "");
     EXPECT_TRUE(tells(run({"bake", "-o", path("a.pfm"), "--size", "4x4", "--spp", "1", "--sky", "0"}),
                       "the light map is black"));
+}
+
+/// The byte of green in the middle of a picture.
+unsigned middle_of(const std::filesystem::path& png) {
+    const Texture image = load_image(png);
+    return image.bytes.at(image.channels * (image.width * (image.height / 2) + image.width / 2) + 1);
+}
+
+/// Lamps in candela and suns in lux, as Blender exports them, keep their ratios; only the exposure changes.
+TEST_F(DarkFile, LightInPhysicalUnitsIsExposed) {
+    const auto lit = [&](const std::string& lux, const std::vector<std::string>& more) {
+        std::vector<std::string> options = {"--light", "directional,direction=0,0,-1,intensity=" + lux};
+        options.insert(options.end(), more.begin(), more.end());
+        return render(options);
+    };
+    const std::string line = "the surfaces would be mostly white: their exposure is -";
+    EXPECT_FALSE(tells(lit("3", {}), "exposure"));
+    EXPECT_TRUE(tells(lit("2000", {}), line));
+    const unsigned chosen = middle_of(path("a.png"));
+    EXPECT_TRUE(chosen > 150 && chosen < 230) << chosen;
+    EXPECT_FALSE(tells(lit("2000", {"--exposure", "0"}), line));
+    EXPECT_GT(middle_of(path("a.png")), 250u);
+    EXPECT_EQ(lit("3", {"--exposure", "auto"}).errors, "");
+    EXPECT_NEAR(middle_of(path("a.png")), chosen, 3);
+    EXPECT_FALSE(tells(lit("2000", {"-o", path("a.pfm")}), line)) << "which stores the radiance";
+    EXPECT_NEAR(load_image(path("a.pfm")).floats[3 * (16 * 8 + 8)], 2000 * 0.5 / 3.14159265, 1);
+    EXPECT_TRUE(tells(lit("3", {"-o", path("a.hdr"), "--exposure", "auto"}), "apply to .png only"));
+    EXPECT_NE(render({"--exposure", "bright"}).errors.find("neither a finite number nor auto"), std::string::npos);
+}
+
+/// Frames of an animation keep the exposure of the first one.
+TEST_F(DarkFile, FramesHaveOneExposure) {
+    const ProcessResult result =
+        render({"--light", "directional,direction=0,0,-1,intensity=2000", "--frames", "0..1", "-o", path("f.png")});
+    EXPECT_TRUE(tells(result, "the surfaces would be mostly white"));
+    EXPECT_EQ(read_file(path("f.0000.png")), read_file(path("f.0001.png")));
+    EXPECT_EQ(result.errors.find("mostly white"), result.errors.rfind("mostly white")) << "told once";
+}
+
+TEST_F(DarkFile, OptionsThatChangeNothingAreTold) {
+    EXPECT_TRUE(tells(render({"--adaptive"}), "--adaptive changed nothing"));
+    EXPECT_TRUE(tells(render({"--guide"}), "--guide changed nothing"));
+    EXPECT_FALSE(tells(render({}), "changed nothing"));
+    EXPECT_FALSE(tells(render({"--no-guide"}), "changed nothing"));
 }
 
 }  // namespace

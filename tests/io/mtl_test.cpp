@@ -38,7 +38,7 @@ TEST_F(Mtl, DiffuseIsLambert) {
     EXPECT_EQ(m.name, "a");
     EXPECT_EQ(m.albedo, glm::vec3(0.1f, 0.2f, 0.3f));
     EXPECT_EQ(m.emission, glm::vec3(0.f));
-    EXPECT_EQ(warned("a"), warned("added a pale sky as light")) << warnings.at(0);
+    EXPECT_EQ(warned("a"), warned("added a neutral studio as light")) << warnings.at(0);
 }
 
 TEST_F(Mtl, HighlightIsBlinnPhong) {

@@ -334,8 +334,8 @@ TEST_F(Obj, SceneNamesAreBuiltInOrFiles) {
 
 TEST_F(Obj, AMeshWithoutLightGetsASky) {
     const Scene scene = load(unit_square + "f 1 2 3\n");
-    EXPECT_GT(scene.sky.zenith.y, 0.f);
-    EXPECT_TRUE(warned("added a pale sky as light"));
+    EXPECT_EQ(scene.environment.images.size(), 1u);
+    EXPECT_TRUE(warned("added a neutral studio as light"));
 }
 
 }  // namespace

@@ -83,7 +83,7 @@ def test_added_light_is_told_where_it_is_seen(tmp_path, recwarn):
     chosen.sky = 1, 1, 1
     claray.Renderer(chosen, width=4, height=4)
     assert not recwarn
-    with pytest.warns(UserWarning, match="no light: added a pale sky.*Scene.sky"):
+    with pytest.warns(UserWarning, match="no light: added a neutral studio.*Scene.sky"):
         claray.Renderer(scene, width=4, height=4)
     claray.Renderer(scene, width=4, height=4)
     assert not recwarn

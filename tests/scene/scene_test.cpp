@@ -188,6 +188,55 @@ TEST(AutomaticCamera, JustFitsTheBoundingSphere) {
     }
 }
 
+/// Of a scene: the largest places of its points in the image, to the right and upwards, -1 to 1.
+Bounds places_in_image(const Camera& camera, float aspect, std::span<const glm::vec3> points) {
+    const CameraData data = camera_data(camera, aspect);
+    Bounds places;
+    for (const glm::vec3& point : points) places.grow(glm::vec3(project(data, point), 0.f));
+    return places;
+}
+
+/// Points of a ball, stretched.
+Mesh stretched_ball(const glm::vec3& radii, const glm::vec3& middle) {
+    Mesh mesh;
+    for (int i = 0; i < 2000; ++i) {
+        const float z = 1 - 2 * (float(i) + 0.5f) / 2000, angle = 2.39996323f * float(i), r = std::sqrt(1 - z * z);
+        mesh.positions.push_back(middle + radii * glm::vec3(r * std::cos(angle), z, r * std::sin(angle)));
+    }
+    mesh.triangles = {{0, 1, 2}};
+    return mesh;
+}
+
+TEST(AutomaticCamera, ASceneSpansMostOfTheImage) {
+    for (const float aspect : {0.5f, 1.f, 16.f / 9.f})
+        for (const glm::vec3 radii : {glm::vec3(1), glm::vec3(1, 5, 1), glm::vec3(4, 0.1f, 4), glm::vec3(1e-4f)}) {
+            Scene scene;
+            scene.meshes = {stretched_ball(radii, {7, 1, -3})};
+            const auto expect_fit = [&](const char* what, std::span<const glm::vec3> points) {
+                const Bounds places = places_in_image(camera_of(scene, aspect), aspect, points);
+                const glm::vec3 half = 0.5f * places.extent();
+                EXPECT_NEAR(std::max(half.x, half.y), 0.85f, 0.003f) << what;
+                EXPECT_LT(std::max(half.x, half.y), 0.8501f) << what;
+                EXPECT_NEAR(half.x > half.y ? places.center().x : places.center().y, 0, 0.003f) << what;
+            };
+            expect_fit("mesh", scene.meshes[0].positions);
+            std::vector<glm::vec3> points = scene.meshes[0].positions;
+            for (glm::vec3& p : points) p = 2.f * p + glm::vec3(1, 2, 3);
+            MeshInstance instance;
+            instance.transform = glm::mat4(2.f);
+            instance.transform[3] = {1, 2, 3, 1};
+            scene.instances = {instance};
+            expect_fit("instance", points);
+            if (radii != glm::vec3(1)) continue;
+            PrimitiveSet ball;
+            ball.points = {{7, 1, -3, 1}};
+            points = scene.meshes[0].positions;
+            scene.meshes.clear(), scene.instances.clear();
+            scene.primitives = {ball};
+            expect_fit("sphere", points);
+        }
+}
+
 TEST(AutomaticCamera, LooksAtWhatHasNoExtent) {
     for (const glm::vec3 point : {glm::vec3(0), glm::vec3(1, 2, 3), glm::vec3(1e9f)}) {
         Bounds bounds;

@@ -6,6 +6,7 @@
 #include "claray/error.hpp"
 #include "claray/io.hpp"
 #include "host/cli/options/option_rules.hpp"
+#include "host/cli/output/messages.hpp"
 
 namespace claray::cli {
 namespace {
@@ -148,7 +149,9 @@ bool add_lights(Scene& scene, const LightOptions& options) {
         for (Light& light : scene.lights) light.intensity *= std::numbers::pi_v<float>;
     if (options.sky) scene.sky = *options.sky, scene.environment = {};
     if (options.environment.empty()) return options.sky || !options.lights.empty();
-    scene.environment = load_environment(options.environment);
+    Warnings warnings;
+    scene.environment = load_environment(options.environment, warnings);
+    for (const std::string& warning : warnings) print_warning(warning);
     scene.environment.strength = options.strength.value_or(1.f);
     scene.environment.rotation = degree * options.rotation.value_or(0.f);
     return true;

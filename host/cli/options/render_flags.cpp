@@ -5,10 +5,29 @@
 
 #include "host/cli/options/bvh_options.hpp"
 #include "host/cli/options/light_options.hpp"
+#include "host/cli/options/option_rules.hpp"
 #include "host/cli/options/render_targets.hpp"
 
 namespace claray::cli {
 namespace {
+
+void add_exposure_option(CLI::App& command, RenderOptions& o) {
+    command
+        .add_option_function<std::string>(
+            "--exposure",
+            [&o](const std::string& text) {
+                o.auto_exposure = text == "auto";
+                o.exposure = o.auto_exposure ? std::nullopt : std::optional(parse_numbers(text).at(0));
+            },
+            "Brighten a PNG by this many stops, or auto: by as many as show its surfaces in a medium brightness [auto\n"
+            "where they would be mostly white or black, else 0]")
+        ->check([](const std::string& text) {
+            return text == "auto" || parse_numbers(text).size() == 1
+                       ? std::string()
+                       : "'" + text + "' is neither a finite number nor auto";
+        })
+        ->type_name("STOPS");
+}
 
 void add_image_options(CLI::App& command, RenderOptions& o) {
     command
@@ -21,7 +40,7 @@ void add_image_options(CLI::App& command, RenderOptions& o) {
     add_size_option(command, o.config.width, o.config.height, "WIDTHxHEIGHT in pixels [512x512]");
     command.add_option("--light-map", o.light_maps,
                        "MESH=FILE: light map of a mesh, from claray bake; may be repeated");
-    command.add_option("--exposure", o.exposure, "Brighten a PNG by this many stops [0]")->check(finite_number());
+    add_exposure_option(command, o);
     const std::vector<std::pair<std::string, ToneMap>> tone_maps = {{"none", ToneMap::none}, {"aces", ToneMap::aces}};
     command.add_option("--tone-map", o.tone_map, "Tone map of a PNG: none (clamp) or aces (filmic) [aces]")
         ->transform(choice_of(tone_maps))

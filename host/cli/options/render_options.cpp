@@ -1,5 +1,7 @@
 #include "host/cli/options/render_options.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <tuple>
 
 #include "claray/renderer.hpp"
@@ -120,6 +122,13 @@ std::filesystem::path numbered(const std::filesystem::path& output, unsigned fra
 }
 
 bool is_film(const std::filesystem::path& output) { return output == "-" || output.extension() == ".y4m"; }
+
+bool is_of_bytes(const std::filesystem::path& output) {
+    std::string extension = output.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return char(std::tolower(c)); });
+    return is_film(output) || extension == ".png";
+}
 
 bool is_layer(const std::filesystem::path& output, const std::string& aov) {
     return output.extension() == ".exr" && aov != "gbuffer" && aov != "voxels";

@@ -23,7 +23,8 @@ struct RenderOptions {
     std::string device;
     RenderConfig config;
     ViewOptions view;
-    float exposure = 0;  // stops
+    std::optional<float> exposure;  // stops; empty: chosen if the surfaces would be mostly white or black
+    bool auto_exposure = false;     // always chosen
     ToneMap tone_map = ToneMap::aces;
     std::optional<DenoiserKind> denoiser;
     std::vector<std::string> aovs;
@@ -31,6 +32,7 @@ struct RenderOptions {
     std::filesystem::path trace;
     bool stats = false, json = false, quiet = false;
     bool wait_for_kernels = false;
+    bool asks_for_guiding = false;                      // by --guide, without which it is wanted, too
     double fps = 0;                                     // 0: one image
     unsigned frames = 300;                              // at that rate
     double orbit = 0;                                   // degrees over these frames
@@ -71,6 +73,9 @@ void add_light_grid_options(CLI::App& command, LightGridConfig& grid);
 
 /// Whether the frames of an animation go to one stream (.y4m, or "-" for standard output).
 [[nodiscard]] bool is_film(const std::filesystem::path& output);
+
+/// Whether an image or a film has colours of 8 bits, for which exposure and tone map choose: .png, .y4m and "-".
+[[nodiscard]] bool is_of_bytes(const std::filesystem::path& output);
 
 /// Puts light maps on meshes. Throws ErrorKind::usage for text that is not MESH=FILE.
 void use_light_maps(Scene& scene, const std::vector<std::string>& light_maps);

@@ -118,7 +118,11 @@ void run_frames(const Device& device, const Scene& scene, const RenderOptions& o
             return !InterruptGuard::interrupted();
         },
         measuring_progress(options.quiet));
-    if (!options.output.empty()) write_picture(report.image, options);
+    if (!options.output.empty()) {
+        RenderOptions exposed = options;
+        choose_exposure(report.image, nullptr, exposed);
+        write_picture(report.image, exposed);
+    }
     const double budget = 1e3 / options.fps, p50 = 1e3 * report.median, p99 = 1e3 * report.percentile;
     const double slowest = 1e3 * *std::max_element(report.seconds.begin(), report.seconds.end());
     if (options.json) {

@@ -74,13 +74,21 @@ Scene load_view(const std::string& name, const ViewOptions& options, unsigned wi
                     "leave one of them out");
     FirstFrame alone;
     FirstFrame& frames = first ? *first : alone;
-    const float aspect = float(width) / float(height);
-    const auto choose = [&](const Scene& scene) {
+    ViewChoice view;
+    view.aspect = float(width) / float(height);
+    view.camera = [&](const Scene& scene) {
         if (scene.camera) return choose_camera(*scene.camera, options);
-        if (!frames.camera) frames.camera = automatic_camera(bounds_of(scene), options.fov.value_or(40.f), aspect);
+        if (!frames.camera) frames.camera = automatic_camera(scene, options.fov.value_or(40.f), view.aspect);
         return choose_camera(*frames.camera, options);
     };
-    return load(name, options.load, options.lights, options.surfaces, choose, aspect, &frames.light);
+    const bool placed = options.camera || options.look_at || options.camera_end || options.look_at_end || options.up;
+    if (!placed && !options.ortho) view.inside = options.fov.value_or(MayChoose{}.inside_fov);
+    Scene scene = load(name, options.load, options.lights, options.surfaces, view, &frames.light);
+    if (frames.camera) {  // which may be inside now
+        frames.camera = scene.camera;
+        scene.camera = choose_camera(*frames.camera, options);
+    }
+    return scene;
 }
 
 }  // namespace claray::cli

@@ -28,7 +28,7 @@ void add_view_options(CLI::App& command, ViewOptions& options);
 /// The first frame of an animation sets the automatic camera, and the light of a dark file, for all frames.
 struct FirstFrame {
     std::optional<Camera> camera;
-    std::optional<LightOptions> light;
+    std::optional<DefaultLight> light;
 };
 
 /// Loads a scene with the lights and the camera of the command line. Prints warnings, and throws as `load` does.

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "claray/program.hpp"
+#include "host/base/format.hpp"
 #include "host/cli/options/render_targets.hpp"
 #include "host/cli/output/brightness.hpp"
 #include "host/cli/output/messages.hpp"
@@ -192,17 +193,31 @@ bool tells_plan(const RenderOptions& options) { return options.stats || !options
 
 }  // namespace
 
+void choose_exposure(const std::vector<glm::vec3>& pixels, const Renderer* renderer, RenderOptions& options) {
+    if (options.exposure || !is_of_bytes(options.output)) return;
+    SurfaceBrightness surfaces(pixels, {}, options.tone_map);
+    const bool asks = options.auto_exposure || surfaces.is_doubtful();
+    if (asks && renderer != nullptr) surfaces = SurfaceBrightness(pixels, renderer->aovs().depth, options.tone_map);
+    const char* const fault = asks ? surfaces.fault() : nullptr;
+    options.exposure = options.auto_exposure || fault ? surfaces.exposure() : 0.f;
+    if (fault && !options.auto_exposure)
+        print_warning(
+            printed("the surfaces would be mostly %s: their exposure is %+.1f stops; choose another with "
+                    "--exposure, 0 for none",
+                    fault, double(*options.exposure)));
+}
+
 void write_picture(const std::vector<glm::vec3>& pixels, const RenderOptions& options, const Renderer* renderer) {
     const bool has_layers = std::any_of(options.aovs.begin(), options.aovs.end(),
                                         [&](const std::string& name) { return is_layer(options.output, name); });
     if (renderer != nullptr && has_layers)
         write_layers(pixels, *renderer, options);
     else
-        write_image(options.output, {options.config.width, options.config.height, pixels}, options.exposure,
-                    options.tone_map);
-    const bool is_png = options.output.extension() == ".png";
-    if (const auto line = brightness_warning(pixels, is_png ? std::optional(options.exposure) : std::nullopt))
-        print_warning(*line);
+        write_image(options.output, {options.config.width, options.config.height, pixels},
+                    options.exposure.value_or(0.f), options.tone_map);
+    const std::optional<float> exposure =
+        is_of_bytes(options.output) ? std::optional(options.exposure.value_or(0.f)) : std::nullopt;
+    if (const auto line = brightness_warning(pixels, exposure)) print_warning(*line);
 }
 
 void check_denoiser(DenoiserKind kind) {
@@ -258,6 +273,18 @@ nlohmann::ordered_json as_json(const std::vector<DeviceShare>& shares) {
 
 }  // namespace
 
+void tell_of_idle_options(const Renderer& renderer, const RenderOptions& options) {
+    const RenderStatistics s = renderer.statistics();
+    if (options.config.adaptive && !s.adapted)
+        print_warning(
+            "--adaptive changed nothing: all pixels have the same number of samples, because rounds begin after "
+            "16 samples per pixel and only where the error differs between tiles");
+    if (options.asks_for_guiding && !s.guided)
+        print_warning(
+            "--guide changed nothing: no path was guided, because it needs a CPU, more than 8 samples per pixel, "
+            "16,384 pixels, Lambert surfaces and light that guided paths find with less noise");
+}
+
 void print_as_text(const Device& device, const Renderer& renderer, const RenderOptions& options, const Outcome& outcome,
                    const TargetPlan* plan, const Denoised& denoised, const std::vector<DeviceShare>& shares) {
     const RenderProgress& p = outcome.progress;
@@ -298,6 +325,9 @@ void print_as_json(const Device& device, const Renderer& renderer, const RenderO
         {"cut_off", renderer.cut_off()},
         {"measuring_seconds", s.measuring_seconds},
         {"interrupted", outcome.interrupted},
+        {"exposure", options.exposure.value_or(0.f)},
+        {"adapted", s.adapted},
+        {"guided", s.guided},
         {"dropped_samples", s.dropped_samples},
         {"denoised", {{"by", denoised.by}, {"seconds", denoised.seconds}}},
         {"kernels",

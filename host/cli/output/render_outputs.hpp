@@ -9,6 +9,9 @@
 
 namespace claray::cli {
 
+/// Sets the exposure of a picture of 8 bits: the one that was asked for, or one that shows its surfaces, of which it
+/// tells. `renderer`: tells where surfaces are; null: all pixels count.
+void choose_exposure(const std::vector<glm::vec3>& pixels, const Renderer* renderer, RenderOptions& options);
 /// Writes the image, and warns if it is black or white. An .exr also gets the AOVs of `renderer` that were asked for,
 /// as layers; null: none.
 void write_picture(const std::vector<glm::vec3>& pixels, const RenderOptions& options,
@@ -32,6 +35,8 @@ struct Outcome {
     bool interrupted = false;
 };
 
+/// Warns of options that changed nothing: --adaptive without a round, --guide without a guided path.
+void tell_of_idle_options(const Renderer& renderer, const RenderOptions& options);
 /// `plan`: null if nothing was picked. `shares`: empty for one device.
 void print_as_text(const Device& device, const Renderer& renderer, const RenderOptions& options, const Outcome& outcome,
                    const TargetPlan* plan, const Denoised& denoised, const std::vector<DeviceShare>& shares);

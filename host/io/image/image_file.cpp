@@ -1,5 +1,5 @@
-// Image files in: PNG through libpng, JPEG, BMP, TGA and HDR through stb_image, WebP through libwebp, EXR through
-// libOpenEXR, and PFM.
+// Image files in: PNG through libpng, JPEG, BMP and TGA through stb_image, WebP through libwebp, EXR through
+// libOpenEXR, HDR and PFM.
 #include "host/io/image/image_file.hpp"
 
 #include <algorithm>
@@ -12,7 +12,9 @@
 #include "claray/error.hpp"
 #include "host/base/file.hpp"
 #include "host/io/image/exr.hpp"
-#include "host/io/image/hdr_check.hpp"
+#include "host/io/image/formats/bmp_runs.hpp"
+#include "host/io/image/formats/other_formats.hpp"
+#include "host/io/image/formats/radiance.hpp"
 #include "host/io/image/jpeg_check.hpp"
 #include "host/io/image/png_read.hpp"
 #include "host/io/image/stb_image_read.hpp"
@@ -123,9 +125,10 @@ Texture decode_exr(std::string_view bytes, const std::string& what, std::size_t 
     std::string fault = read_exr_shape(bytes, shape);
     if (!fault.empty()) refuse(what, fault, "export it again, or convert it to HDR");
     check_bytes(what, shape.width, shape.height, shape.channels * sizeof(float), room);
+    check_bytes(what, shape.stored_width, shape.stored_height, shape.channels * sizeof(float), room);
     constexpr std::uint64_t most_packed = 4096;  // as for others; an empty part of a film packs less tightly
-    check_plausible(what, shape.width, shape.height, std::uint64_t(shape.width) * shape.height / most_packed,
-                    bytes.size());
+    check_plausible(what, shape.stored_width, shape.stored_height,
+                    std::uint64_t(shape.stored_width) * shape.stored_height / most_packed, bytes.size());
     Texture texture;
     texture.width = shape.width, texture.height = shape.height, texture.channels = shape.channels;
     texture.format = TexelFormat::float32;
@@ -165,27 +168,50 @@ Texture decode_png(std::string_view bytes, const std::string& what, TexelFormat 
     return texture;
 }
 
+Texture decode_radiance(std::string_view bytes, const std::string& what, std::size_t room) {
+    const auto check = [&](const std::string& fault) {
+        if (!fault.empty()) refuse(what, "the image is damaged (" + fault + ")", "export it again");
+    };
+    RadianceHeader header;
+    check(read_radiance_header(bytes, header));
+    check_bytes(what, header.width, header.height, 3 * sizeof(float), room);
+    constexpr std::uint64_t most_packed = 4096;
+    check_plausible(what, header.width, header.height, std::uint64_t(header.width) * header.height * 3 / most_packed,
+                    bytes.size());
+    Texture texture;
+    texture.width = header.width, texture.height = header.height, texture.channels = 3;
+    texture.format = TexelFormat::float32;
+    check(read_radiance_pixels(bytes, header, texture.floats));
+    return texture;
+}
+
 Texture decode_others(std::string_view bytes, const std::string& what, TexelFormat eight_bit, std::size_t room) {
     if (bytes.substr(0, 2) == "\xff\xd8" && !jpeg_tables_fit(bytes))
         refuse(what, "the image is damaged (a Huffman table is too long)", "export it again");
     std::optional<ImageShape> shape = image_shape(bytes);
+    if (!shape && bytes.starts_with("\xff\xd8"))
+        refuse(what, "the image is damaged (its JPEG header is broken or cut off)", "export it again");
     if (!shape)
         refuse(what, "it is not a PNG, JPEG, WebP, BMP, TGA, HDR, PFM or EXR image", "convert it to one of these");
-    check_bytes(what, shape->width, shape->height, shape->channels * (shape->radiance ? sizeof(float) : 1), room);
+    check_bytes(what, shape->width, shape->height, shape->channels, room);
     constexpr std::uint64_t most_packed = 4096;  // no format packs tighter, JPEG's of 1024 to 1 included
     check_plausible(what, shape->width, shape->height,
                     std::uint64_t(shape->width) * shape->height * shape->channels / most_packed, bytes.size());
-    if (shape->radiance && !hdr_runs_fit(bytes, shape->width, shape->height))
-        refuse(what, "it is cut off, or its runs are longer than its rows", "export it again");
-    DecodedImage image;
-    const std::string fault = decode_image(bytes, *shape, image);
-    if (!fault.empty()) refuse(what, "the image is damaged (" + fault + ")", "export it again");
-
     Texture texture;
+    const std::string fault = decode_image(bytes, *shape, texture.bytes);
+    if (!fault.empty()) refuse(what, "the image is damaged (" + fault + ")", "export it again");
     texture.width = shape->width, texture.height = shape->height, texture.channels = shape->channels;
-    texture.format = shape->radiance ? TexelFormat::float32 : eight_bit;
-    texture.bytes = std::move(image.bytes), texture.floats = std::move(image.floats);
+    texture.format = eight_bit;
     return texture;
+}
+
+Texture decode_bmp_of_runs(std::string_view bytes, const std::string& what, TexelFormat eight_bit, std::size_t room) {
+    const std::size_t size = size_without_bmp_runs(bytes);
+    if (size == 0) refuse(what, "the image is damaged (its size is invalid)", "export it again");
+    constexpr std::size_t most_packed = 4096;
+    if (size > room || size / most_packed > bytes.size())
+        refuse(what, "it is cut off, or too large: " + to_string(size) + " bytes", "export it again");
+    return decode_others(without_bmp_runs(bytes), what, eight_bit, room);
 }
 
 }  // namespace
@@ -196,8 +222,10 @@ Texture decode_texture(std::string_view bytes, const std::string& what, TexelFor
     if (is_png(bytes)) return decode_png(bytes, what, eight_bit, room);
     if (is_exr(bytes)) return decode_exr(bytes, what, room);
     if (is_webp(bytes)) return decode_webp(bytes, what, eight_bit, room);
-    if (bytes.substr(0, 6) == "\xabKTX 2")
-        refuse(what, "it is KTX 2 (KHR_texture_basisu), which claray does not support", "convert it to PNG or JPEG");
+    if (is_radiance(bytes)) return decode_radiance(bytes, what, room);
+    if (is_bmp_of_runs(bytes)) return decode_bmp_of_runs(bytes, what, eight_bit, room);
+    if (const OtherFormat other = other_format_of(bytes); !other.name.empty())
+        refuse(what, "it is " + other.name + ", which claray does not read", other.remedy);
     return decode_others(bytes, what, eight_bit, room);
 }
 
@@ -209,11 +237,42 @@ Texture load_image(const fs::path& path, TexelFormat eight_bit) {
     return texture;
 }
 
-Environment load_environment(const fs::path& path) {
+namespace {
+
+/// Negative texels, which filters leave behind, and those that are not numbers become black; infinite ones as bright as
+/// the brightest other.
+void correct_radiance(Texture& texture, const std::string& what, Warnings& warnings) {
+    float brightest = 0.f;
+    std::size_t wrong = 0;
+    for (const float value : texture.floats)
+        if (std::isfinite(value)) brightest = std::max(brightest, value);
+    for (float& value : texture.floats) {
+        if (value >= 0.f && std::isfinite(value)) continue;
+        value = value > 0.f ? brightest : 0.f, ++wrong;
+    }
+    if (wrong > 0)
+        warnings.push_back(what + ": " + to_string(wrong) +
+                           " values are negative or not finite: negative ones count "
+                           "as 0, infinite ones as the largest other");
+}
+
+}  // namespace
+
+Environment load_environment(const fs::path& path, Warnings& warnings) {
     Environment environment;
     std::error_code error;
+    const auto add = [&](const fs::path& file) {
+        const std::string bytes = read_file(file, "check the path"), what = "'" + file.string() + "'";
+        Texture texture = decode_texture(bytes, what, TexelFormat::srgb8);
+        texture.name = file.filename().string();
+        correct_radiance(texture, what, warnings);
+        if (is_exr(bytes) && is_exr_cube(bytes))
+            environment.images = faces_of_exr_cube(texture);
+        else
+            environment.images.push_back(std::move(texture));
+    };
     if (!fs::is_directory(path, error)) {
-        environment.images.push_back(load_image(path));
+        add(path);
         return environment;
     }
     for (const char* face : {"px", "nx", "py", "ny", "pz", "nz"}) {
@@ -224,9 +283,14 @@ Environment load_environment(const fs::path& path) {
             throw Error(ErrorKind::user,
                         "'" + path.string() + "' has no image '" + face + "' for this face of the cube",
                         "put px, nx, py, ny, pz and nz into the folder, or give one image in latitude and longitude");
-        environment.images.push_back(load_image(found));
+        add(found);
     }
     return environment;
+}
+
+Environment load_environment(const fs::path& path) {
+    Warnings warnings;
+    return load_environment(path, warnings);
 }
 
 }  // namespace claray

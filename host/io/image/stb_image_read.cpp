@@ -24,7 +24,6 @@ void opaque_free(void* memory);
 #define STBI_ONLY_JPEG
 #define STBI_ONLY_BMP
 #define STBI_ONLY_TGA
-#define STBI_ONLY_HDR
 #include <stb_image.h>
 #pragma GCC diagnostic pop
 
@@ -62,19 +61,25 @@ struct Source {
 
 constexpr stbi_io_callbacks callbacks = {Source::read, Source::skip, Source::at_end};
 
-/// Calls one of stb_image's loaders and keeps what it gives.
-template <class T, class Load>
-std::string load(std::string_view bytes, ImageShape& shape, Load&& loader, std::vector<T>& values) {
-    Source source{bytes};
-    int width = 0, height = 0, channels = 0;
-    const std::unique_ptr<T, void (*)(void*)> data(loader(&callbacks, &source, &width, &height, &channels, 0),
-                                                   stbi_image_free);
-    if (!data) return source.cut_off ? "it is cut off" : stbi_failure_reason();
+/// stb_image gives no reason for some broken files.
+std::string reason(const Source& source) {
     if (source.cut_off) return "it is cut off";
-    if (unsigned(width) != shape.width || unsigned(height) != shape.height) return "its sizes contradict each other";
-    shape.channels = unsigned(channels);
-    values.assign(data.get(), data.get() + std::size_t(width) * std::size_t(height) * std::size_t(channels));
-    return {};
+    const char* const given = stbi_failure_reason();
+    return given ? given : "it cannot be decoded";
+}
+
+/// Bit 4 of a TGA's descriptor: rows go from right to left. stb_image ignores it.
+bool is_tga_from_right(std::string_view bytes) {
+    constexpr std::size_t descriptor = 17;
+    const bool is_other = bytes.starts_with("BM") || bytes.starts_with("\xff\xd8");
+    return !is_other && bytes.size() > descriptor && (bytes[descriptor] & 0x10) != 0;
+}
+
+void mirror_rows(const ImageShape& shape, std::vector<std::uint8_t>& values) {
+    const std::size_t n = shape.channels;
+    for (std::size_t row = 0; row < values.size(); row += shape.width * n)
+        for (std::size_t x = 0; x < shape.width / 2; ++x)
+            std::swap_ranges(&values[row + x * n], &values[row + x * n] + n, &values[row + (shape.width - 1 - x) * n]);
 }
 
 }  // namespace
@@ -85,15 +90,20 @@ std::optional<ImageShape> image_shape(std::string_view bytes) {
     if (!stbi_info_from_callbacks(&callbacks, &source, &width, &height, &channels) || width <= 0 || height <= 0 ||
         channels < 1 || channels > 4)
         return {};
-    ImageShape shape{unsigned(width), unsigned(height), unsigned(channels)};
-    Source again{bytes};
-    shape.radiance = stbi_is_hdr_from_callbacks(&callbacks, &again) != 0;
-    return shape;
+    return ImageShape{unsigned(width), unsigned(height), unsigned(channels)};
 }
 
-std::string decode_image(std::string_view bytes, ImageShape& shape, DecodedImage& image) {
-    if (shape.radiance) return load(bytes, shape, stbi_loadf_from_callbacks, image.floats);
-    return load(bytes, shape, stbi_load_from_callbacks, image.bytes);
+std::string decode_image(std::string_view bytes, ImageShape& shape, std::vector<std::uint8_t>& values) {
+    Source source{bytes};
+    int width = 0, height = 0, channels = 0;
+    const std::unique_ptr<stbi_uc, void (*)(void*)> data(
+        stbi_load_from_callbacks(&callbacks, &source, &width, &height, &channels, 0), stbi_image_free);
+    if (!data || source.cut_off) return reason(source);
+    if (unsigned(width) != shape.width || unsigned(height) != shape.height) return "its sizes contradict each other";
+    shape.channels = unsigned(channels);
+    values.assign(data.get(), data.get() + std::size_t(width) * std::size_t(height) * std::size_t(channels));
+    if (is_tga_from_right(bytes)) mirror_rows(shape, values);
+    return {};
 }
 
 }  // namespace claray

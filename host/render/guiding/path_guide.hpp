@@ -68,6 +68,10 @@ public:
     /// part. Learns only what later samples of the image need.
     void trace(Batch batch, unsigned spp, Wavefront& wavefront, SceneBuffers& scene,
                const std::function<void(const Batch&)>& add);
+    /// Whether it guides samples, by what it has learnt so far.
+    [[nodiscard]] bool guides() const {
+        return std::any_of(maps_.begin(), maps_.end(), [](const auto& maps) { return !maps.empty(); });
+    }
     /// For an image that begins anew, of the same scene and size.
     void forget();
     [[nodiscard]] std::uint64_t bytes() const { return found_.bytes() + counts_.bytes(); }

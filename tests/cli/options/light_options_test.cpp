@@ -63,8 +63,8 @@ TEST_F(LightOptions, SkyAndEnvironment) {
     EXPECT_NEAR(irradiance({"--environment", path("sky.hdr"), "--environment-strength", "3"}), 3 * pi, 0.03);
 }
 
-TEST_F(LightOptions, WithoutAnyThePaleSkyIsTold) {
-    EXPECT_NE(render({}).errors.find("added a pale sky as light"), std::string::npos);
+TEST_F(LightOptions, WithoutAnyTheStudioIsTold) {
+    EXPECT_NE(render({}).errors.find("added a neutral studio as light"), std::string::npos);
 }
 
 TEST_F(LightOptions, BadOnesAreRefused) {

@@ -34,7 +34,7 @@ TEST_F(Gltf, OneTriangle) {
     EXPECT_EQ(scene.materials[0].roughness, 1.f);
     EXPECT_TRUE(scene.materials[0].cull_back);
     EXPECT_FALSE(scene.camera);
-    EXPECT_EQ(warned("pale sky"), 1u);
+    EXPECT_EQ(warned("neutral studio"), 1u);
 }
 
 TEST_F(Gltf, BinaryIsTheSame) {

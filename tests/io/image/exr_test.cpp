@@ -9,10 +9,14 @@
 
 #if CLARAY_WITH_EXR
 #include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfChromaticities.h>
+#include <OpenEXR/ImfEnvmap.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfRgbaFile.h>
+#include <OpenEXR/ImfStandardAttributes.h>
 #endif
 
 namespace claray {
@@ -86,9 +90,126 @@ TEST(Exr, ReadsTheFirstLayerWithColours) {
         file.writePixels(1);
     }
     const Texture read = load_image(folder / "a.exr");
+    ASSERT_EQ(read.width, 10u);
+    ASSERT_EQ(read.height, 10u);
+    std::vector<float> expected(400, 0.f);
+    for (std::size_t i = 0; i < 8; ++i) expected[4 * (3 * 10 + 2) + i] = float(i + 1);
+    EXPECT_EQ(read.floats, expected) << "black beyond what is stored";
+}
+
+void write_rgba(const std::filesystem::path& path, const Imf::Header& header, Imf::RgbaChannels channels,
+                const std::vector<Imf::Rgba>& pixels) {
+    const Imath::Box2i& window = header.dataWindow();
+    const std::ptrdiff_t width = window.max.x - window.min.x + 1;
+    Imf::RgbaOutputFile file(path.c_str(), header, channels);
+    file.setFrameBuffer(pixels.data() - (window.min.x + window.min.y * width), 1, std::size_t(width));
+    file.writePixels(window.max.y - window.min.y + 1);
+}
+
+/// What is stored beyond the image is cut off.
+TEST(Exr, ShowsItsDisplayWindow) {
+    const TemporaryFolder folder;
+    const Imf::Header header(Imath::Box2i({0, 0}, {1, 0}), Imath::Box2i({-1, -1}, {1, 1}));
+    std::vector<Imf::Rgba> pixels;
+    for (int i = 0; i < 9; ++i) pixels.emplace_back(float(i), 0.f, 0.f);
+    write_rgba(folder / "a.exr", header, Imf::WRITE_RGB, pixels);
+    const Texture read = load_image(folder / "a.exr");
     EXPECT_EQ(read.width, 2u);
     EXPECT_EQ(read.height, 1u);
-    EXPECT_EQ(read.floats, (std::vector<float>{1, 2, 3, 4, 5, 6, 7, 8}));
+    EXPECT_EQ(read.floats, (std::vector<float>{4, 0, 0, 5, 0, 0}));
+}
+
+TEST(Exr, ReadsLuminanceAndChroma) {
+    const TemporaryFolder folder;
+    const Imf::Header header(64, 64);
+    write_rgba(folder / "a.exr", header, Imf::WRITE_YCA, std::vector<Imf::Rgba>(64 * 64, {0.8f, 0.4f, 0.1f, 0.5f}));
+    const Texture read = load_image(folder / "a.exr");
+    ASSERT_EQ(read.channels, 4u);
+    for (std::size_t i = 0; i < read.floats.size(); ++i)
+        EXPECT_NEAR(read.floats[i], (std::vector<float>{0.8f, 0.4f, 0.1f, 0.5f}[i % 4]), 0.01f) << i;
+    write_rgba(folder / "grey.exr", header, Imf::WRITE_YA, std::vector<Imf::Rgba>(64 * 64, {0.5f, 0.5f, 0.5f, 0.25f}));
+    const Texture grey = load_image(folder / "grey.exr");
+    ASSERT_EQ(grey.channels, 2u);
+    EXPECT_NEAR(grey.floats[0], 0.5f, 1e-3f);
+    EXPECT_EQ(grey.floats[1], 0.25f);
+}
+
+/// Chroma of as many pixels as luminance, in full precision: R and B are (chroma + 1) Y.
+TEST(Exr, ReadsChromaOfAllPixels) {
+    const TemporaryFolder folder;
+    Imf::Header header(3, 1);
+    std::vector<float> values = {0.5f, 1, -0.5f, 1, 0, 0, 2, -1, 1};  // Y RY BY
+    Imf::FrameBuffer buffer;
+    const char* names[] = {"Y", "RY", "BY"};
+    for (std::size_t c = 0; c < 3; ++c) {
+        header.channels().insert(names[c], Imf::Channel(Imf::FLOAT));
+        buffer.insert(names[c], Imf::Slice::Make(Imf::FLOAT, values.data() + c, header.dataWindow(), 12, 36));
+    }
+    {
+        Imf::OutputFile file((folder / "a.exr").c_str(), header);
+        file.setFrameBuffer(buffer);
+        file.writePixels(1);
+    }
+    const Texture read = load_image(folder / "a.exr");
+    ASSERT_EQ(read.channels, 3u);
+    const double r = 0.2126, g = 0.7152, b = 0.0722;
+    const std::vector<double> expected = {1, (0.5 - r - 0.25 * b) / g, 0.25, 1, 1, 1, 0, (2 - 4 * b) / g, 4};
+    for (std::size_t i = 0; i < 9; ++i) EXPECT_NEAR(read.floats[i], expected[i], 1e-3) << i;
+}
+
+/// ACEScg, whose white is warmer. The middle column is that of ACES' published matrix to Rec. 709 (1.70505 -0.62179
+/// -0.08326, -0.13026 1.14080 -0.01055, -0.02400 -0.12897 1.15297).
+TEST(Exr, ConvertsPrimaries) {
+    const TemporaryFolder folder;
+    Imf::Header header(3, 1);
+    Imf::addChromaticities(header, {{0.713f, 0.293f}, {0.165f, 0.83f}, {0.128f, 0.044f}, {0.32168f, 0.33767f}});
+    const std::vector<Imf::Rgba> pixels = {{1.f, 1.f, 1.f}, {0.5f, 0.25f, 0.25f}, {0.f, 1.f, 0.f}};
+    write_rgba(folder / "a.exr", header, Imf::WRITE_RGB, pixels);
+    const Texture read = load_image(folder / "a.exr");
+    const std::vector<float> expected = {1,         1,         1,  //
+                                         0.676263f, 0.217436f, 0.243999f, 0, 1.140805f, 0};
+    for (std::size_t i = 0; i < 9; ++i) EXPECT_NEAR(read.floats[i], expected[i], 2e-3f) << i;
+}
+
+/// Faces as OpenEXR orients them: red in the direction in which a latitude-longitude image has its middle.
+TEST(Exr, CubesAreEnvironments) {
+    const TemporaryFolder folder;
+    constexpr int side = 8;
+    Imf::Header header(side, 6 * side);
+    Imf::addEnvmap(header, Imf::ENVMAP_CUBE);
+    std::vector<Imf::Rgba> pixels(6 * side * side);
+    const auto latitude_longitude = [](const Imath::V3f& d) { return Imath::V2f(d.y, std::atan2(d.x, d.z)); };
+    for (int face = 0; face < 6; ++face)
+        for (int y = 0; y < side; ++y)
+            for (int x = 0; x < side; ++x) {
+                const Imath::V2f in_face{float(x), float(y)};
+                const auto which = Imf::CubeMapFace(face);
+                const Imath::V3f d = Imf::CubeMap::direction(which, header.dataWindow(), in_face).normalized();
+                const Imath::V2f at = Imf::CubeMap::pixelPosition(which, header.dataWindow(), in_face);
+                const Imath::V2f angles = latitude_longitude(d);
+                pixels[std::size_t(at.y + 0.5f) * side + std::size_t(at.x + 0.5f)] = {1 + angles.x, 4 + angles.y, 0.f};
+            }
+    write_rgba(folder / "a.exr", header, Imf::WRITE_RGB, pixels);
+    const Environment cube = load_environment(folder / "a.exr");
+    ASSERT_EQ(cube.images.size(), 6u);
+    // The middles of -z, which is the middle of a latitude-longitude image here, of +x at its right, and of +y.
+    const auto middle = [&](std::size_t face, std::size_t channel) {
+        const Texture& t = cube.images[face];
+        float sum = 0;
+        for (const unsigned y : {3u, 4u})
+            for (const unsigned x : {3u, 4u}) sum += t.floats[3 * (y * side + x) + channel] / 4;
+        return sum;
+    };
+    EXPECT_NEAR(middle(5, 1), 4, 0.01) << "longitude 0";
+    EXPECT_NEAR(middle(5, 0), 1, 0.01);
+    EXPECT_NEAR(middle(0, 1), 4 - 1.5708, 0.01) << "longitudes fall to the right";
+    EXPECT_NEAR(middle(2, 0), 2, 0.02);
+    EXPECT_GT(cube.images[5].floats[0], cube.images[5].floats[3 * 7 * side]) << "the top of a face is up";
+    header = Imf::Header(side, 5 * side);
+    Imf::addEnvmap(header, Imf::ENVMAP_CUBE);
+    pixels.resize(5 * side * side);
+    write_rgba(folder / "five.exr", header, Imf::WRITE_RGB, pixels);
+    expect_error(ErrorKind::user, {"five.exr", "squares"}, [&] { (void)load_environment(folder / "five.exr"); });
 }
 
 TEST(Exr, DamagedFilesAreRefused) {
