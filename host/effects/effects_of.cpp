@@ -18,7 +18,7 @@ namespace {
 bool is_lit(const glm::vec3& c) { return c.x > 0 || c.y > 0 || c.z > 0; }
 
 Effect effect_of(const Material& m) {
-    return m.kind == MaterialKind::glass && m.thin_walled ? Effect::thin_walls : effect_of(m.kind);
+    return m.kind == MaterialKind::glass && m.thin_walled ? Effect::thin_walls : effect_of(kind_of(m));
 }
 
 Effect effect_of(LightKind kind) {
@@ -99,7 +99,7 @@ private:
         };
         call(effect_of(m), true);
         call(Effect::emissive_triangles, is_lit(m.emission));
-        const bool principled = m.kind == MaterialKind::principled;
+        const bool principled = kind_of(m) == MaterialKind::principled;
         call(Effect::metal, principled && m.metallic > 0);
         call(Effect::transmission, principled && m.transmission > 0 && !m.thin_walled);
         call(Effect::thin_walls, principled && has_thin_walls(m));
