@@ -171,15 +171,23 @@ double sheen_lambda(double cosine, double alpha) {
     return std::exp(cosine < 0.5 ? fitted(cosine) : 2 * fitted(0.5) - fitted(1 - cosine));
 }
 
-/// The albedo of white sheen: eval_sheen in kernels/bsdf/layers/sheen.clh without its bound, integrated by the midpoint
-/// rule over the cube root of the incoming cosine and the angle between both directions.
-double sheen_albedo(double cosine, double alpha) {
+/// A row's value at a position from 0 to 1.
+double interpolated(const float* row, double place) {
+    const double at = place * (size - 1);
+    const int cell = std::min(int(at), size - 2);
+    return row[cell] + (at - cell) * (double(row[cell + 1]) - row[cell]);
+}
+
+/// The albedo of white sheen: eval_sheen in kernels/bsdf/layers/sheen.clh divided by `bound(incoming cosine)`,
+/// integrated by the midpoint rule over the cube root of the incoming cosine and the angle between both directions.
+template <class Bound>
+double sheen_albedo(double cosine, double alpha, Bound bound) {
     constexpr int rings = 64, turns = 32;
     const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine)), masked = 1 + sheen_lambda(cosine, alpha);
     double sum = 0;
     for (int ring = 0; ring < rings; ++ring) {
         const double u = (ring + 0.5) / rings, z = u * u * u, side = std::sqrt(1 - z * z);
-        const double visible = 3 * u * u / (4 * cosine * (masked + sheen_lambda(z, alpha)));
+        const double visible = 3 * u * u / (4 * cosine * (masked + sheen_lambda(z, alpha)) * bound(z));
         for (int turn = 0; turn < turns; ++turn) {
             const double between = sine * side * std::cos(pi * (turn + 0.5) / turns) + cosine * z;
             const double up = cosine + z, half2 = up * up / (2 + 2 * between);  // cosine^2 of the half vector
@@ -189,17 +197,36 @@ double sheen_albedo(double cosine, double alpha) {
     return sum * (2 + 1 / alpha) / (rings * turns);
 }
 
-void fill_sheen(float* table, double) {
+/// Both tables. Where the bound sets in, the albedo bends downwards, so that values between nodes would be too small
+/// and sheen would add light: nodes are raised.
+void fill_sheen(float* tables, double) {
+    const auto one = [](double) { return 1.0; };
     in_parallel(size, [&](std::size_t row) {
         const double roughness = CLARAY_LEAST_SHEEN + (1.0 - CLARAY_LEAST_SHEEN) * place_of(int(row));
-        for (int i = 0; i < size; ++i) table[row * size + i] = float(sheen_albedo(cosine_at(i), roughness * roughness));
+        const double alpha = roughness * roughness;
+        float *published = tables + row * size, *bounded = published + CLARAY_BOUNDED_SHEEN - CLARAY_SHEEN;
+        for (int i = 0; i < size; ++i) published[i] = float(sheen_albedo(cosine_at(i), alpha, one));
+        const auto albedo_at = [&](double place) {
+            const double here = interpolated(published, place);
+            return sheen_albedo(root_cosine(place, 0), alpha, [&](double z) {
+                return std::max({1.0, here, interpolated(published, std::cbrt(z))});
+            });
+        };
+        for (int i = 0; i < size; ++i) bounded[i] = float(albedo_at(place_of(i)));
+        for (int i = 0; i + 1 < size; ++i) {
+            const double middle = (i + 0.5) / (size - 1);
+            const double missing = albedo_at(middle) - interpolated(bounded, middle);
+            if (missing > 0) bounded[i] += float(missing), bounded[i + 1] += float(missing);
+        }
     });
 }
 
 // ---- anisotropy
 
-/// Albedo of single scattering of a conductor with an alpha along x and one along y, for light from `o`.
-double stretched_reflection(Vector o, double along, double across) {
+/// Albedo of single scattering by facets with this reflectance and an alpha along x and one along y, for light from
+/// `o`.
+template <class Reflectance>
+double stretched_reflection(Vector o, double along, double across, Reflectance reflectance) {
     constexpr int rings = 32, turns = 64;
     static const auto angles = make_turns<turns>();
     const auto shadow = [&](Vector v) {
@@ -220,22 +247,24 @@ double stretched_reflection(Vector o, double along, double across) {
             const double to_normal = (o.x * n.x + o.y * n.y + o.z * n.z) * scale;
             const Vector i{2 * to_normal * n.x * scale - o.x, 2 * to_normal * n.y * scale - o.y,
                            2 * to_normal * n.z * scale - o.z};
-            if (i.z > 0) sum += masked / (masked + shadow(i));
+            if (i.z > 0) sum += reflectance(to_normal) * masked / (masked + shadow(i));
         }
     }
     return sum / (rings * turns);
 }
 
 /// One pair of alphas: a row for each of three angles to the tangent, and their average over the hemisphere.
-void fill_stretched_rows(float* rows, float* average, double along, double across) {
+template <class Reflectance>
+void fill_stretched_rows(float* rows, float* average, CosineOf cosine_of, double along, double across,
+                         Reflectance reflectance) {
     *average = 0.f;
     for (int k = 0; k < 3; ++k) {
         const double sine2 = 0.5 * k, alpha = std::sqrt(along * along * (1 - sine2) + across * across * sine2);
-        const TableRow weights = average_weights(loss_cosine, alpha);
+        const TableRow weights = average_weights(cosine_of, alpha);
         for (int i = 0; i < size; ++i) {
-            const double cosine = loss_cosine(place_of(i), alpha), sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
+            const double cosine = cosine_of(place_of(i), alpha), sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
             const Vector o{sine * std::sqrt(1 - sine2), sine * std::sqrt(sine2), cosine};
-            const double lost = std::clamp(1 - stretched_reflection(o, along, across), 0.0, 1.0);
+            const double lost = std::clamp(1 - stretched_reflection(o, along, across, reflectance), 0.0, 1.0);
             rows[k * size + i] = float(lost);
             *average += float((k == 1 ? 0.5 : 0.25) * weights[std::size_t(i)] * lost);
         }
@@ -243,13 +272,58 @@ void fill_stretched_rows(float* rows, float* average, double along, double acros
 }
 
 /// Kernels look up only alphas along the tangent that are at least those across it: cells on and above the diagonal.
-void fill_stretched(float* table, double) {
+template <class Reflectance>
+void fill_stretched_table(float* table, CosineOf cosine_of, Reflectance reflectance) {
     constexpr int steps = CLARAY_STRETCH_SIZE;
     in_parallel(steps * steps, [&](std::size_t cell) {
         const int along = int(cell) / steps, across = int(cell) % steps;
         if (across > along + 1) return;
-        fill_stretched_rows(table + cell * CLARAY_STRETCH_ROW, table + CLARAY_STRETCH_AVERAGES + cell,
-                            alpha_at(along, steps), alpha_at(across, steps));
+        fill_stretched_rows(table + cell * CLARAY_STRETCH_ROW, table + CLARAY_STRETCH_AVERAGES + cell, cosine_of,
+                            alpha_at(along, steps), alpha_at(across, steps), reflectance);
+    });
+}
+
+void fill_stretched(float* table, double) {
+    fill_stretched_table(table, loss_cosine, [](double) { return 1.0; });
+}
+void fill_stretched_opaque(float* table, double ior) {
+    fill_stretched_table(table, root_cosine, [=](double cosine) { return fresnel(cosine, ior); });
+}
+
+// ---- films
+
+/// Adds a share of light at facets of this cosine to the shares at the tabulated cosines: Lagrange's cubic weights over
+/// the root of the cosine, of which the tabulated ones are multiples.
+void add_facet(double* shares, double cosine, double share) {
+    const double at = std::sqrt(std::clamp(cosine, 0.0, 1.0)) * (CLARAY_FACET_COSINES - 1);
+    const int first = std::clamp(int(at) - 1, 0, CLARAY_FACET_COSINES - 4);
+    for (int k = first; k < first + 4; ++k) {
+        double weight = share;
+        for (int other = first; other < first + 4; ++other)
+            if (other != k) weight *= (at - other) / (k - other);
+        shares[k] += weight;
+    }
+}
+
+void fill_facets(float* table, double) {
+    constexpr int count = CLARAY_FACET_COSINES;
+    in_parallel(size, [&](std::size_t row) {
+        const double alpha = alpha_at(int(row));
+        const TableRow weights = average_weights(root_cosine, alpha);
+        double averages[count] = {};
+        for (int i = 0; i < size; ++i) {
+            const double cosine = cosine_at(i), masked = 1 + lambda(cosine, alpha);
+            double shares[count] = {};
+            for_visible_normals(cosine, alpha, [&](Vector n, Vector o, double weight) {
+                const double to_normal = o.x * n.x + o.z * n.z, z = 2 * to_normal * n.z - o.z;
+                if (z > 0) add_facet(shares, to_normal, weight * masked / (masked + lambda(z, alpha)));
+            });
+            for (int k = 0; k < count; ++k) {
+                table[(row * size + i) * count + k] = float(shares[k]);
+                averages[k] += weights[i] * shares[k];
+            }
+        }
+        for (int k = 0; k < count; ++k) table[CLARAY_FACET_AVERAGES + row * count + k] = float(averages[k]);
     });
 }
 
@@ -361,21 +435,27 @@ EnergyTables::EnergyTables(std::span<const Material> materials) {
 }
 
 void EnergyTables::fill_tables() {
-    if (!conductor_ && !sheen_ && !stretched_ && needs_.empty()) return;
-    data_.resize(stretched_ ? CLARAY_STRETCH + CLARAY_STRETCH_TABLE
-                 : sheen_   ? CLARAY_SHEEN + CLARAY_ENERGY_TABLE
-                            : CLARAY_ENERGY_TABLE);
+    if (!conductor_ && !sheen_ && !stretched_ && !film_ && needs_.empty()) return;
+    data_.resize(film_        ? CLARAY_FACETS + CLARAY_FACET_TABLE
+                 : stretched_ ? CLARAY_STRETCH + CLARAY_STRETCH_TABLE
+                 : sheen_     ? CLARAY_BOUNDED_SHEEN + CLARAY_ENERGY_TABLE
+                              : CLARAY_ENERGY_TABLE);
     constexpr int transparent = CLARAY_TRANSMITTANCE + 1 - CLARAY_LOST_OUTSIDE;
     if (conductor_) copy_table<fill_conductor, CLARAY_ENERGY_TABLE>(data_.data());
-    if (sheen_) copy_table<fill_sheen, CLARAY_ENERGY_TABLE>(data_.data() + CLARAY_SHEEN);
+    if (sheen_) copy_table<fill_sheen, 2 * CLARAY_ENERGY_TABLE>(data_.data() + CLARAY_SHEEN);
     if (stretched_) copy_table<fill_stretched, CLARAY_STRETCH_TABLE>(data_.data() + CLARAY_STRETCH);
+    if (film_) copy_table<fill_facets, CLARAY_FACET_TABLE>(data_.data() + CLARAY_FACETS);
     for (const auto& [ior, needs] : needs_) {
         blocks_[ior] = std::uint32_t(data_.size());
-        data_.resize(data_.size() + CLARAY_ENERGY_BLOCK + (needs.coat ? CLARAY_COAT_TABLE : 0));
+        data_.resize(data_.size() + (needs.stretched ? CLARAY_STRETCHED_UNREFLECTED + CLARAY_STRETCH_TABLE
+                                     : needs.coat    ? CLARAY_COAT_SCALES + CLARAY_COAT_TABLE
+                                                     : CLARAY_ENERGY_BLOCK));
         float* block = data_.data() + blocks_[ior];
         if (needs.opaque) copy_table<fill_opaque, CLARAY_ENERGY_TABLE>(block + CLARAY_UNREFLECTED, ior);
         if (needs.transparent) copy_table<fill_transparent, transparent>(block + CLARAY_LOST_OUTSIDE, ior);
         if (needs.coat) copy_table<fill_coat_scales, CLARAY_COAT_TABLE>(block + CLARAY_COAT_SCALES, ior);
+        if (needs.stretched)
+            copy_table<fill_stretched_opaque, CLARAY_STRETCH_TABLE>(block + CLARAY_STRETCHED_UNREFLECTED, ior);
     }
 }
 
@@ -385,10 +465,13 @@ void EnergyTables::add_needs(const Material& m) {
     conductor_ = conductor_ || (has_specular_layer(m) && rough);
     sheen_ = sheen_ || has_sheen(m);
     stretched_ = stretched_ || is_anisotropic(m);
-    if (has_rough_glass(m)) needs_[m.ior].transparent = true;
-    if (has_diffuse_dielectric(m)) needs_[m.ior].opaque = true;
+    if (has_rough_glass(m)) needs_[ior_of_tables(m)].transparent = true;
+    film_ = film_ || (has_film(m) && has_diffuse_dielectric(m));
+    if (has_diffuse_dielectric(m)) needs_[ior_of_tables(m)].opaque = true;
+    if (has_diffuse_dielectric(m) && is_anisotropic(m)) needs_[ior_of_tables(m)].stretched = true;
     if (has_clearcoat(m)) needs_[CLARAY_COAT_IOR].opaque = true;
-    if (has_coated_metal(m) || has_coated_dielectric(m)) needs_[CLARAY_COAT_IOR].coat = true;
+    if (has_coated_metal(m) || has_coated_dielectric(m) || (has_layered_coat(m) && has_metal(m)))
+        needs_[CLARAY_COAT_IOR].coat = true;
 }
 
 std::uint32_t EnergyTables::block_of(float ior) const {

@@ -26,12 +26,12 @@ public:
 
 private:
     struct Needs {
-        bool opaque = false, transparent = false, coat = false;
+        bool opaque = false, transparent = false, coat = false, stretched = false;
     };
     void add_needs(const Material& material);
     void fill_tables();
 
-    bool conductor_ = false, sheen_ = false, stretched_ = false;
+    bool conductor_ = false, sheen_ = false, stretched_ = false, film_ = false;
     std::map<float, Needs> needs_;
     std::map<float, std::uint32_t> blocks_;
     std::map<std::vector<float>, std::uint32_t> parameters_;  // of added BSDFs

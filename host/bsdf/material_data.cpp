@@ -1,12 +1,19 @@
 #include "host/bsdf/material_data.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
 namespace claray {
 namespace {
 
-bool is_principled(const Material& m) { return m.kind == MaterialKind::principled; }
+bool is_principled(const Material& m) { return kind_of(m) == MaterialKind::principled; }
+
+/// Of a principled material: neither a metal, nor transparent, nor under layers.
+bool is_opaque_dielectric(const Material& m) {
+    const bool layered = m.clearcoat > 0 || m.sheen != glm::vec3(0.f) || m.iridescence > 0;
+    return m.metallic == 0 && m.transmission == 0 && !layered;
+}
 bool transmits(const Material& m) { return m.kind == MaterialKind::glass || (is_principled(m) && m.transmission > 0); }
 
 /// Beer's coefficient. Black at the distance is treated as 1e-30, so that 0 * infinity does not occur.
@@ -25,6 +32,17 @@ std::uint32_t layers_of(const Material& m) {
 }
 
 }  // namespace
+
+MaterialKind kind_of(const Material& m) {
+    const bool diffuse =
+        (m.kind == MaterialKind::principled && is_opaque_dielectric(m) && (m.specular_weight == 0 || m.ior == 1)) ||
+        (m.kind == MaterialKind::oren_nayar && m.roughness == 0) ||
+        (m.kind == MaterialKind::blinn_phong && m.specular == glm::vec3(0.f));
+    return diffuse ? MaterialKind::lambert : m.kind;
+}
+float ior_of_tables(const Material& m) {
+    return has_specular_layer(m) ? std::min(m.ior, CLARAY_MOST_CURVE_IOR) : m.ior;
+}
 
 bool has_diffuse_dielectric(const Material& m) {
     return is_principled(m) && (m.metallic < 1 || m.metallic_roughness_map.used()) &&
@@ -62,7 +80,8 @@ bool absorbs_inside(const Material& m) {
 MaterialData material_data(const Material& m, const EnergyTables& tables) {
     glm::vec3 albedo = m.albedo, specular = is_principled(m) ? m.specular_tint : m.specular;
     const bool textured = m.albedo_map.used() || m.specular_map.used();  // then shade/maps.clh scales them
-    if (m.kind == MaterialKind::blinn_phong && !textured) {  // scaled so that both together reflect at most all light
+    if (kind_of(m) == MaterialKind::blinn_phong &&
+        !textured) {  // scaled so that both together reflect at most all light
         const glm::vec3 excess = glm::max(albedo + specular, glm::vec3(1.f));
         albedo /= excess, specular /= excess;
     }
@@ -70,7 +89,7 @@ MaterialData material_data(const Material& m, const EnergyTables& tables) {
     return {.albedo_r = albedo.x,
             .albedo_g = albedo.y,
             .albedo_b = albedo.z,
-            .kind = m.kind == MaterialKind::glass && m.thin_walled ? CLARAY_THIN_WALLS : std::uint32_t(m.kind),
+            .kind = m.kind == MaterialKind::glass && m.thin_walled ? CLARAY_THIN_WALLS : std::uint32_t(kind_of(m)),
             .emission_r = m.emission.x,
             .emission_g = m.emission.y,
             .emission_b = m.emission.z,
@@ -87,7 +106,7 @@ MaterialData material_data(const Material& m, const EnergyTables& tables) {
             .absorption_r = absorption.x,
             .absorption_g = absorption.y,
             .absorption_b = absorption.z,
-            .energy = m.kind == MaterialKind::custom ? tables.parameters_of(m) : tables.block_of(m.ior),
+            .energy = m.kind == MaterialKind::custom ? tables.parameters_of(m) : tables.block_of(ior_of_tables(m)),
             .coat_energy = tables.block_of(CLARAY_COAT_IOR),
             .thin_walled = m.thin_walled,
             .layers = layers_of(m),
@@ -106,6 +125,7 @@ MaterialData material_data(const Material& m, const EnergyTables& tables) {
             .coat_y = 0.f,
             .coat_z = 1.f,
             .custom = m.custom,
+            .medium = 0,
 #define CLARAY_ROW(name, text, standard, check) .name = m.name,
             CLARAY_BSDF_PARAMETERS(CLARAY_ROW)
 #undef CLARAY_ROW

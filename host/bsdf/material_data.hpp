@@ -5,6 +5,12 @@
 
 namespace claray {
 
+/// What a material is, however it is named: a principled one that only its base reflects is a Lambertian, and so are
+/// Oren and Nayar's of roughness 0 and Blinn's without a highlight. Kernels, effects and maps go by this kind.
+[[nodiscard]] MaterialKind kind_of(const Material& material);
+/// The index of refraction of its energy tables.
+[[nodiscard]] float ior_of_tables(const Material& material);
+
 [[nodiscard]] MaterialData material_data(const Material& material, const EnergyTables& tables);
 
 /// The maps of a material except its opacity map.

@@ -36,6 +36,7 @@ constexpr std::array rows = {
     EffectRow{Effect::anisotropy, "anisotropy", "ANISOTROPY", 0, shade},
     EffectRow{Effect::sheen, "sheen", "SHEEN", 0, shade},
     EffectRow{Effect::absorption, "absorption", "ABSORPTION", 0, shade},
+    EffectRow{Effect::nested_media, "nested-media", "NESTED_MEDIA", 0, shade},
     EffectRow{Effect::emissive_triangles, "emissive-triangles", "TRIANGLE_LIGHTS", 0, shade},
 #define CLARAY_ROW(name, NAME, text, far, cone) \
     EffectRow{Effect::name##_lights, text "-lights", #NAME "_LIGHTS", 0, shade},

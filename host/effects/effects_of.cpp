@@ -5,6 +5,7 @@
 #include "claray/effects.hpp"
 #include "host/bsdf/material_data.hpp"
 #include "host/effects/effects.hpp"
+#include "host/effects/nested_media.hpp"
 #include "host/lights/hot_spots.hpp"
 #include "host/lights/lights.hpp"
 #include "host/scene/placement.hpp"
@@ -17,7 +18,7 @@ namespace {
 bool is_lit(const glm::vec3& c) { return c.x > 0 || c.y > 0 || c.z > 0; }
 
 Effect effect_of(const Material& m) {
-    return m.kind == MaterialKind::glass && m.thin_walled ? Effect::thin_walls : effect_of(m.kind);
+    return m.kind == MaterialKind::glass && m.thin_walled ? Effect::thin_walls : effect_of(kind_of(m));
 }
 
 Effect effect_of(LightKind kind) {
@@ -53,6 +54,8 @@ public:
         }
         for (std::size_t i = 0; i < scene_.lights.size(); ++i)
             if (is_lit(scene_.lights[i].intensity)) visit(scene_.lights[i], i);
+        for (const std::uint32_t medium : nested_media(scene_))
+            call_(Effect::nested_media, "material", scene_.materials[medium].name, medium);
         if (may_have_lists(scene_)) call_(Effect::light_lists, "scene", scene_.name, 0);
         if (near_lights(scene_) >= LightSelection{}.for_a_tree) call_(Effect::many_lights, "scene", scene_.name, 0);
         for (const HotSpotPlace& place : find_hot_spots(scene_))
@@ -96,7 +99,7 @@ private:
         };
         call(effect_of(m), true);
         call(Effect::emissive_triangles, is_lit(m.emission));
-        const bool principled = m.kind == MaterialKind::principled;
+        const bool principled = kind_of(m) == MaterialKind::principled;
         call(Effect::metal, principled && m.metallic > 0);
         call(Effect::transmission, principled && m.transmission > 0 && !m.thin_walled);
         call(Effect::thin_walls, principled && has_thin_walls(m));
@@ -223,6 +226,8 @@ Scene without_effects(Scene scene, EffectSet effects) {
         if (lost(Effect::smooth_normals)) mesh.normals.clear();
         if (lost(Effect::vertex_colors)) mesh.colors.clear();
     }
+    if (lost(Effect::nested_media))
+        for (const std::uint32_t medium : nested_media(scene)) scene.materials[medium].kind = MaterialKind::lambert;
     for (Material& material : scene.materials) strip(material, effects);
     for (Texture& texture : scene.textures) {
         if (lost(Effect::nearest_levels) && texture.filter == Filter::nearest_level) texture.filter = Filter::trilinear;

@@ -83,6 +83,18 @@ std::vector<Material> materials_for(EffectSet effects) {
     return materials;
 }
 
+/// A cube of glass around all squares.
+void add_nested_media(Scene& scene) {
+    Mesh cube;
+    for (int corner = 0; corner < 8; ++corner)
+        cube.positions.emplace_back(corner & 1 ? 2 : -2, corner & 2 ? 2 : -2, corner & 4 ? 2 : -2);
+    cube.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                      {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+    cube.materials.assign(cube.triangles.size(), std::uint32_t(scene.materials.size()));
+    scene.materials.emplace_back().kind = MaterialKind::glass;
+    scene.meshes.insert(scene.meshes.begin(), std::move(cube));
+}
+
 void add_light(Scene& scene, LightKind kind) {
     scene.lights.push_back({.name = {}, .kind = kind, .position = {0.f, 2.f, 0.f}});
 }
@@ -111,6 +123,7 @@ Scene scene_calling_for(EffectSet effects) {
     Scene scene;
     scene.materials = materials_for(effects);
     for (std::uint32_t i = 0; i < scene.materials.size(); ++i) scene.meshes.push_back(unit_square(i));
+    if (effects.has(Effect::nested_media)) add_nested_media(scene);
     if (effects.has(Effect::smooth_normals))
         for (Mesh& mesh : scene.meshes) mesh.normals.assign(mesh.positions.size(), {0.f, 1.f, 0.f});
     if (effects.has(Effect::vertex_colors))

@@ -104,6 +104,15 @@ bool Renderer::State::may_guide() const {
            buffers.where.hot_spots == CLARAY_NO_TABLE && !bounds.empty();
 }
 
+std::string Renderer::why_unguided() const {
+    const State& s = *state_;
+    if (!s.config.guide || s.words_of_guide() == 0 || !PathGuide::is_for(s.config) || s.config.spp <= unguided_spp)
+        return {};
+    if (!s.buffers.effects.has(Effect::lambert)) return "paths are not guided: no surface is a plain Lambertian";
+    if (s.buffers.where.hot_spots != CLARAY_NO_TABLE) return "paths are not guided: some go to hot spots of lights";
+    return {};
+}
+
 void Renderer::State::set_bounds(const Scene& scene, bool vertices) {
     if (!may_ever_guide()) return;
     if (vertices) mesh_bounds = bounds_of_meshes(scene);

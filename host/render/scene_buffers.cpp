@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "host/bsdf/material_data.hpp"
+#include "host/effects/nested_media.hpp"
 #include "host/textures/texture_use.hpp"
 
 namespace claray {
@@ -78,8 +79,15 @@ SceneBuffers::TableWriter SceneBuffers::tables_of_materials(const Scene& scene) 
     const EnergyTables energy(materials_in_use(scene));
     std::vector<MaterialData> materials;
     for (const Material& material : scene.materials) materials.push_back(material_data(material, energy));
+    std::vector<MediumData> media;
+    for (const std::uint32_t medium : media_) {
+        MaterialData& m = materials[medium];
+        media.push_back({m.ior, m.absorption_r, m.absorption_g, m.absorption_b});
+        m.medium = std::uint32_t(media.size());
+    }
     TableWriter writer;
     writer.add(materials, where.materials);
+    writer.add(media, where.media);
     writer.add(energy.data(), where.energy);
     return writer;
 }
@@ -103,6 +111,7 @@ SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Struc
                            std::uint32_t guide)
     : structure(with),
       effects(effects_of(scene)),
+      media_(nested_media(scene)),
       on_host_(std::make_shared<Lights>(collect_lights(scene, selection))) {
     textures = Textures(device, scene, !(added & EffectSet{Effect::cut_outs, Effect::culling}).empty());
     structure.set_cutouts(textures.cutouts());

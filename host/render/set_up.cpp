@@ -7,6 +7,7 @@
 #include "host/base/file.hpp"
 #include "host/base/seconds_since.hpp"
 #include "host/compute/programs/compiler_processes.hpp"
+#include "host/effects/nested_media.hpp"
 #include "host/render/config/checks.hpp"
 #include "host/render/parts/scene_parts.hpp"
 #include "host/render/renderer_state.hpp"
@@ -148,7 +149,10 @@ Renderer::Renderer(const Device& device, const Scene& scene, const RenderConfig&
     if (resumes || saves) identity = identity_of(checked(scene), checked(config));
     if (resumes) from = read_checkpoint(config.resume, identity, config.spp);
     if (saves) check_file_writable(config.checkpoint);
-    state_ = config.effects.remove.empty() ? state_of(scene) : state_of(without_effects(scene, config.effects.remove));
+    const std::optional<Scene> overlapping = with_overlapping_media(checked(scene));
+    const Scene& separate = overlapping ? *overlapping : scene;
+    state_ =
+        config.effects.remove.empty() ? state_of(separate) : state_of(without_effects(separate, config.effects.remove));
     state_->set_bounds(scene, true);
     state_->identity = identity;
     if (!from) return;

@@ -23,7 +23,7 @@ constexpr std::uint32_t most_surfaces_of_probes =
 
 constexpr const char* path_kernel_stem = "render/trace_paths";
 
-constexpr std::uint64_t bytes_per_path = 2 * (sizeof(Ray) + sizeof(PathState) + sizeof(RayCone)) + sizeof(Ray) +
+constexpr std::uint64_t bytes_per_path = 2 * (sizeof(Ray) + sizeof(PathState) + sizeof(RayCone) + sizeof(std::uint64_t)) + sizeof(Ray) +
                                          sizeof(Hit) + sizeof(LightSample) + sizeof(std::uint8_t) + 3 * sizeof(float);
 
 /// At most a 16th of the device's memory, and no buffer larger than it allows.
@@ -209,7 +209,7 @@ void Wavefront::make_room(std::uint32_t paths) {
     const std::size_t room = (wanted + CLARAY_QUEUE_ROOM - 1) / CLARAY_QUEUE_ROOM * std::size_t(CLARAY_QUEUE_ROOM);
     const bool moves = scene_.structure.moves();
     constexpr std::size_t word = sizeof(std::uint32_t);
-    // Kernels for more effects than the scene's also write cones.
+    // Kernels for more effects than the scene's also write cones and media.
     const std::size_t words = moves ? CLARAY_QUEUE_WORDS : CLARAY_QUEUE_TIMES;
     for (int i = 0; i < 2; ++i) queues_[i] = {}, rays_[i] = {}, states_[i] = {}, times_[i] = {};
     hits_ = {}, radiance_ = {};

@@ -20,14 +20,15 @@ std::array<TextureUse, CLARAY_MAPS> maps_of(const Material& m) {
     if (has_emission_map(m)) maps[CLARAY_EMISSION_MAP] = m.emission_map;
     maps[CLARAY_HEIGHT_MAP] = m.height_map;
     maps[CLARAY_NORMAL_MAP] = m.normal_map;
-    const bool principled = m.kind == MaterialKind::principled;
-    if (reads_roughness(m.kind)) maps[CLARAY_METALLIC_ROUGHNESS_MAP] = m.metallic_roughness_map;
+    const MaterialKind kind = kind_of(m);
+    const bool principled = kind == MaterialKind::principled;
+    if (reads_roughness(kind)) maps[CLARAY_METALLIC_ROUGHNESS_MAP] = m.metallic_roughness_map;
     if (principled) {
         maps[CLARAY_TRANSMISSION_MAP] = m.transmission_map;
         maps[CLARAY_CLEARCOAT_MAP] = m.clearcoat_map;
         maps[CLARAY_CLEARCOAT_ROUGHNESS_MAP] = m.clearcoat_roughness_map;
     }
-    if (m.kind == MaterialKind::blinn_phong) {
+    if (kind == MaterialKind::blinn_phong) {
         maps[CLARAY_SPECULAR_MAP] = m.specular_map;
         maps[CLARAY_SHININESS_MAP] = m.shininess_map;
     }
@@ -45,7 +46,7 @@ std::array<TextureUse, CLARAY_MAPS> maps_of(const Material& m) {
         maps[CLARAY_FILM_THICKNESS_MAP] = m.film_thickness_map;
     }
     if (has_layered_coat(m)) maps[CLARAY_COAT_NORMAL_MAP] = m.clearcoat_normal_map;
-    if (m.kind == MaterialKind::lambert) maps[CLARAY_LIGHT_MAP] = m.light_map;
+    if (kind == MaterialKind::lambert) maps[CLARAY_LIGHT_MAP] = m.light_map;
     return maps;
 }
 

@@ -49,6 +49,7 @@ enum class Effect : std::uint8_t {
     layered_coat,
     orthographic,
     primitives,
+    nested_media,
 #define CLARAY_ROW(name, NAME, text, transmits, lobes, rough) name,
     CLARAY_BSDFS(CLARAY_ROW)
 #undef CLARAY_ROW

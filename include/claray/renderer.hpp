@@ -316,6 +316,8 @@ public:
     /// Returns the share of light that is missing because paths end after `RenderConfig::max_depth` surfaces, 0 to 1.
     /// An estimate: the light beyond that depth is extrapolated. The first call traces some thousand paths.
     [[nodiscard]] double cut_off() const;
+    /// Returns why RenderConfig::guide guides no path although device, size and samples allow it: one line, or empty.
+    [[nodiscard]] std::string why_unguided() const;
     /// Returns per-pixel data of the first visible surface, row by row from the top left. Blocks.
     [[nodiscard]] Aovs aovs() const;
     /// Returns the albedo of the surface in the voxel that each pixel's centre shows, for LightGridConfig::voxels.

@@ -45,7 +45,7 @@ static inline bool arrive_first(LastTriangle* last, const Step* step, const Ligh
     time = times_of_queue((global RayQueue*)queue, step->room)[path];
 #endif
     PathState state = first_state(path);
-    if (!arrive(last, step, lights, 0, SCENE, ray, hits[path], time, camera_cone(&step->frame), 0, &state, radiance, at)) return false;
+    if (!arrive(last, step, lights, 0, SCENE, ray, hits[path], time, camera_cone(&step->frame), 0u, 0, &state, radiance, at)) return false;
     if (is_delta(&at->material)) return false;
     const SurfaceSamples samples = samples_at(samples_of(step->batch, 0, path, step->frame.seed), 0);
     float lobe;

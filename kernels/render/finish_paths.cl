@@ -19,6 +19,7 @@ void finish_paths(Step step, CLARAY_BVH_PARAMETERS, SCENE_PARAMETERS, global Ray
 #if MIPMAPS
         next.cone = cones_of_queue(queue, step.room)[i];
 #endif
+        next.media = media_of_ray(step.depth, queue, step.room, i);
         const uint path = next.state.path;
         vstore3(follow_path(&step, step.depth, end, CLARAY_BVH, SCENE, next, 0.0f, vload3(path, radiance),
                             radiance + 3 * (size_t)step.room, &rays),

@@ -17,7 +17,7 @@
 /// 1: shade_sixteen.clh shades the hits of plain materials; all hits, if there are no other materials.
 #define PLAIN_IN_LANES                                                                                                     \
     (SIXTEEN && CLARAY_CPU && USES(CLARAY_LAMBERT) && !TEXTURES && !MIPMAPS && !INSTANCES && !PRIMITIVES && !BAKE && !SHADING && \
-     !VERTEX_COLORS && LIGHT_KINDS_USED == POINT_LIGHTS && !LIGHT_FALLOFF && !LISTED_LIGHTS && !(TRIANGLE_LIGHTS && POINT_LIGHTS))
+     !VERTEX_COLORS && !NESTED_MEDIA && LIGHT_KINDS_USED == POINT_LIGHTS && !LIGHT_FALLOFF && !LISTED_LIGHTS && !(TRIANGLE_LIGHTS && POINT_LIGHTS))
 #define SHADE_SIXTEEN (PLAIN_IN_LANES && MATERIALS == 1u << CLARAY_LAMBERT)
 #define SHADE_MIXED (PLAIN_IN_LANES && SHADE_GROUPS && !SHADE_SIXTEEN)
 #if SHADE_SIXTEEN || SHADE_MIXED
@@ -29,7 +29,7 @@
 #include "shade/surface_sixteen.clh"
 #endif
 /// 1: surfaces of plain materials that no path leaves are found by vectors.
-#if SHADE_GROUPS && LISTED_LIGHTS && !TEXTURES && !INSTANCES && !VERTEX_COLORS && !ABSORPTION && !AMBIENT && !BAKE && !SHADING && !LIGHT_GRID
+#if SHADE_GROUPS && LISTED_LIGHTS && !TEXTURES && !INSTANCES && !VERTEX_COLORS && !ABSORPTION && !NESTED_MEDIA && !AMBIENT && !BAKE && !SHADING && !LIGHT_GRID
 #define PLAIN_SIXTEEN USES(CLARAY_LAMBERT)
 #else
 #define PLAIN_SIXTEEN 0
@@ -250,8 +250,9 @@ static CLARAY_OUTLINED void shade_rays16(const Step* step, SCENE_PARAMETERS, glo
     for (uint left = others; left != 0; left &= left - 1) {
         const uint k = lowest_bit(left), i = rays[k];
         const RayCone cone = cone_of_ray(frame, depth, queue, room, i);
-        if (!find_point(&last, step, &lights, depth, SCENE, &group.ray[k], hits[i], shaded[k].time, cone, shading_normals, &group.state[k],
-                        &gathered[k], &group.at[k]))
+        const Media media = media_of_ray(depth, queue, room, i);
+        if (!find_point(&last, step, &lights, depth, SCENE, &group.ray[k], hits[i], shaded[k].time, cone, media, shading_normals,
+                        &group.state[k], &gathered[k], &group.at[k]))
             continue;
 #if LISTED_LIGHTS
         const bool ends = !LIGHT_GRID && depth + 1 >= step->waves;  // no path goes on
@@ -295,7 +296,7 @@ static inline void shade_ray(const Step* step, SCENE_PARAMETERS, global RayQueue
     if (teaches(&step->frame, depth)) note_light_before(step, state.path, radiance);
 #endif
     shade_hit(step, depth, SCENE, queued_ray(&rays_of_queue(queue)[i]), hits[i], shaded->time, state, cone,
-              radiance + 3 * (size_t)room, &gathered, &shaded->next, &shaded->shadow);
+              media_of_ray(depth, queue, room, i), radiance + 3 * (size_t)room, &gathered, &shaded->next, &shaded->shadow);
     add_gathered(gathered, state.path, radiance);
     note_next(step, state.path, &shaded->next, radiance);
 }
@@ -334,6 +335,9 @@ static inline void store_next(const ShadedRay* shaded, global RayQueue* queue, u
 #endif
 #if MIPMAPS
     cones_of_queue(queue, room)[slot] = shaded->next.cone;
+#endif
+#if NESTED_MEDIA
+    media_of_queue(queue, room)[slot] = shaded->next.media;
 #endif
 }
 

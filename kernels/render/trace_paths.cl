@@ -17,6 +17,7 @@ void trace_paths(Step step, CLARAY_BVH_PARAMETERS, SCENE_PARAMETERS, global floa
         next.ray = first_ray(step.batch, &step.frame, tables, path, &time);
         next.state = first_state(path);
         next.cone = camera_cone(&step.frame);
+        next.media = 0u;
         vstore3(follow_path(&step, 0, step.depth, CLARAY_BVH, SCENE, next, time, (float3)(0.0f),
                             radiance + 3 * (size_t)step.room, &rays),
                 path, radiance);

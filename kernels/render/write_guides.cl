@@ -84,6 +84,9 @@ static inline NextRay pass_mirror(Batch one, const FrameData* frame, SCENE_PARAM
     if (CLARAY_IS_DIFFUSE(at->material.kind) && at->material.layers == 0u) return next;
     const SurfaceSamples samples = samples_at(samples_of(one, 0, 0u, frame->seed), depth);
     float lobe;
+#if NESTED_MEDIA
+    at->border = border_at(TABLE(MediumData, media), 0u, at->material.medium, at->surface.inside);
+#endif
     prepare_shading(frame, SCENE, &samples, -(float3)(ray.dx, ray.dy, ray.dz), at, &lobe);
     const bool delta = is_delta(&at->material);
     next = scatter(frame, 0, false, 0, &samples, depth, state, at, unit_float(words_at(&samples, AT_CHOICE).x), lobe);

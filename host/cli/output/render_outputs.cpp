@@ -299,6 +299,7 @@ void print_as_text(const Device& device, const Renderer& renderer, const RenderO
     print_shares(shares);
     if (*denoised.by) std::printf("denoised by %s in %.2f s\n", denoised.by, denoised.seconds);
     tell_cut_off(renderer, options.config.max_depth);
+    if (const std::string why = renderer.why_unguided(); !why.empty()) std::printf("%s\n", why.c_str());
     if (plan && tells_plan(options)) {
         const char* verdict = outcome.interrupted ? "stopped" : is_kept(*plan, p) ? "reached" : "missed";
         std::printf("%s: %s\n", verdict, account_of(*plan, p).c_str());

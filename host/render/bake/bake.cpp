@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "claray/renderer.hpp"
+#include "host/bsdf/material_data.hpp"
 #include "host/render/bake/texel_points.hpp"
 #include "host/render/film/film.hpp"
 #include "host/render/schedule/schedule.hpp"
@@ -134,7 +135,7 @@ void use_light_map(Scene& scene, std::size_t mesh, Texture light_map, std::uint3
     if (lit.materials.empty()) lit.materials.assign(lit.triangles.size(), 0);
     std::map<std::uint32_t, std::uint32_t> copies;
     for (std::uint32_t& material : lit.materials) {
-        if (scene.materials.at(material).kind != MaterialKind::lambert) continue;
+        if (kind_of(scene.materials.at(material)) != MaterialKind::lambert) continue;
         const auto [copy, fresh] = copies.try_emplace(material, std::uint32_t(scene.materials.size()));
         if (fresh) {
             scene.materials.push_back(Material(scene.materials[material]));

@@ -35,6 +35,7 @@ void add_balls(Scene& scene) {
     add_ball(scene, metal("metal", {1.f, 0.71f, 0.29f}, 0.35f), -0.35f, -1.1f, 0.45f);
     Material& absorbing = add_ball(scene, glass("absorbing glass", glm::vec3(0.98f), 1.5f), 0.55f, 0.75f);
     absorbing.attenuation = {0.15f, 0.7f, 0.5f}, absorbing.attenuation_distance = 0.4f;
+    add_part(scene, lambert("enclosed", {0.7f, 0.6f, 0.2f}), textured_ball({0.55f, 0.36f, 0.75f}, 0.15f, 3, 0));
     Material& phong = add_ball(scene, lambert("Blinn-Phong", {0.5f, 0.1f, 0.08f}), -1.25f, 0.45f);
     phong.kind = MaterialKind::blinn_phong, phong.specular = glm::vec3(0.3f), phong.shininess = 60.f;
     Material& coated = add_ball(scene, principled("coated", {0.1f, 0.25f, 0.6f}, 0.6f), -0.4f, 0.25f);

@@ -177,6 +177,11 @@ constexpr std::array alone = {
               make_glass(s);
               ball(s).attenuation = {0.2f, 0.7f, 0.5f}, ball(s).attenuation_distance = 0.6f;
           }},
+    Alone{"nested-media",
+          [](Scene& s) {
+              make_glass(s);
+              s.meshes.push_back(textured_ball({-0.35f, 0.8f, 0.f}, 0.4f, 3, block_material));
+          }},
     Alone{
         "culling",
         [](Scene& s) {

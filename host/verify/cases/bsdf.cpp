@@ -122,6 +122,27 @@ Material cloth(float roughness) {
     m.sheen = glm::vec3(0.7f), m.sheen_roughness = roughness;
     return m;
 }
+Material sheen_on_plastic(float roughness) {
+    Material m = plastic(roughness);
+    m.sheen = glm::vec3(1.f), m.sheen_roughness = 0.4f;
+    return m;
+}
+Material sheen_on_metal(float roughness) {
+    Material m = sheen_on_plastic(roughness);
+    m.metallic = 1.f;
+    return m;
+}
+/// A separate coat over a base without an interface, and over a film.
+Material coated_diffuse(float roughness) {
+    Material m = plastic(0.5f);
+    m.specular_weight = 0.f, m.clearcoat = 1.f, m.clearcoat_roughness = roughness;
+    return m;
+}
+Material coated_film(float roughness) {
+    Material m = film_on_plastic(roughness);
+    m.clearcoat = 1.f, m.clearcoat_roughness = 0.2f;
+    return m;
+}
 /// A separate coat over a cloth, and over a brushed metal.
 Material coated_cloth(float roughness) {
     Material m = cloth(0.5f);
@@ -151,21 +172,25 @@ const std::vector<Kind> kinds = {
     {"OnlyHighlight", only_highlight, false, false},
     {"Plastic", plastic},
     {"DensePlastic", dense_plastic},
-    {"CoatedPlastic", coated_plastic, false, false},
+    {"CoatedPlastic", coated_plastic, false, true, false, 0.022},
     {"CoatedMetal", coated_metal},
     {"UnderRoughCoat", under_rough_coat},
     {"TintedPlastic", tinted_plastic},
     {"WeakPlastic", weak_plastic},
-    {"FilmOnPlastic", film_on_plastic, false, false},
+    {"FilmOnPlastic", film_on_plastic},
     {"FilmOnMetal", film_on_metal, false, false},
     {"FilmOnGlass", film_on_glass, false, false},
     {"FilmOnGlassInside", film_on_glass, true, false},
     {"BrushedMetal", brushed_metal},
-    {"BrushedPlastic", brushed_plastic, false, false},
-    {"SheenOnMirror", sheen_on_mirror, false, false},
-    {"Cloth", cloth, false, false},
-    {"CoatedCloth", coated_cloth, false, false},
-    {"CoatedBrushedMetal", coated_brushed_metal, false, false},
+    {"BrushedPlastic", brushed_plastic},
+    {"SheenOnMirror", sheen_on_mirror, false, true, false, 0.03},
+    {"Cloth", cloth, false, true, false, 0.03},
+    {"CoatedCloth", coated_cloth, false, true, false, 0.015},
+    {"CoatedBrushedMetal", coated_brushed_metal},
+    {"SheenOnMetal", sheen_on_metal, false, false},
+    {"CoatedDiffuse", coated_diffuse},
+    {"SheenOnPlastic", sheen_on_plastic, false, true, false, 0.02},
+    {"CoatedFilm", coated_film},
     {"Mixture", mixture, false, true, true},
     {"MixtureInside", mixture, true, true, true},
 };
@@ -245,22 +270,43 @@ public:
         const glm::ivec2 at = glm::clamp(glm::ivec2(place * double(steps)), 0, steps - 1);
         return std::size_t(at.y) * steps + at.x;
     }
+    /// Parts near the horizon are split further: there the density jumps, and lost light has its narrow peak.
     void visit(int fine, const Visitor& visitor) const override {
         const int all = steps * fine;
+        const double width = 2.0 / all;
         for (int y = 0; y < all; ++y)
             for (int x = 0; x < all; ++x) {
-                const glm::dvec2 at = reach_ * (2.0 * (glm::dvec2(x, y) + 0.5) / double(all) - 1.0);
-                const glm::dvec3 half = glm::normalize(glm::dvec3(alpha_ * glm::sinh(at), 1));
-                const double cosine = glm::dot(outgoing_, half);
-                const glm::dvec2 step = 2.0 * reach_ / double(all) * alpha_ * glm::cosh(at);
-                // d incoming = 4 cosine d half, and d half = half.z^3 d slope
-                if (cosine > 0)
-                    visitor(std::size_t(y / fine) * steps + x / fine, 2 * cosine * half - outgoing_,
-                            4 * cosine * half.z * half.z * half.z * step.x * step.y);
+                const glm::dvec2 corner = width * glm::dvec2(x, y) - 1.0;
+                const int splits = reaches_horizon(corner, width) ? 8 : 1;
+                const std::size_t cell = std::size_t(y / fine) * steps + x / fine;
+                for (int part = 0; part < splits * splits; ++part) {
+                    const glm::dvec2 middle(part % splits + 0.5, part / splits + 0.5);
+                    visit_part(corner + middle * (width / splits), width / splits, cell, visitor);
+                }
             }
     }
 
 private:
+    [[nodiscard]] glm::dvec3 half_at(const glm::dvec2& place) const {
+        return glm::normalize(glm::dvec3(alpha_ * glm::sinh(reach_ * place), 1));
+    }
+    [[nodiscard]] bool reaches_horizon(const glm::dvec2& corner, double width) const {
+        const auto height = [&](double x, double y) {
+            const glm::dvec3 half = half_at(corner + width * glm::dvec2(x, y));
+            return 2 * glm::dot(outgoing_, half) * half.z - outgoing_.z;
+        };
+        const auto [least, most] = std::minmax({height(0, 0), height(0, 1), height(1, 0), height(1, 1)});
+        return least < 0.1 && most > 0;
+    }
+    void visit_part(const glm::dvec2& place, double width, std::size_t cell, const Visitor& visitor) const {
+        const glm::dvec3 half = half_at(place);
+        const double cosine = glm::dot(outgoing_, half);
+        const glm::dvec2 step = width * reach_ * alpha_ * glm::cosh(reach_ * place);
+        // d incoming = 4 cosine d half, and d half = half.z^3 d slope
+        if (cosine > 0)
+            visitor(cell, 2 * cosine * half - outgoing_, 4 * cosine * half.z * half.z * half.z * step.x * step.y);
+    }
+
     static constexpr int steps = 32;
     glm::dvec3 outgoing_;
     glm::dvec2 alpha_, reach_;

@@ -68,8 +68,9 @@ struct Kind {
     const char* name;
     Material (*make)(float roughness);
     bool inside = false;
-    bool complete = true;  ///< a white one reflects or transmits all light
-    bool mixed = false;    ///< its parts are chosen at random and tested separately
+    bool complete = true;   ///< a white one reflects or transmits all light
+    bool mixed = false;     ///< its parts are chosen at random and tested separately
+    double grazing = 0.01;  ///< the share of light that a white one may lose at cosines below 0.35; elsewhere 0.01
 };
 [[nodiscard]] const std::vector<Kind>& bsdf_kinds();
 [[nodiscard]] TestedMaterial tested(const Device& device, const Kind& kind, float roughness);

@@ -11,8 +11,10 @@
 // All tables are stored consecutively. The first is the conductor's: the share of light that one reflection loses. Then
 // follow, if a material needs them, the tables of sheen and of anisotropy, then the blocks.
 
-/// Reflectance of white sheen, by its roughness from CLARAY_LEAST_SHEEN to 1 and by cosine_place; not clamped to 1.
+/// Reflectance of white sheen, by its roughness from CLARAY_LEAST_SHEEN to 1 and by cosine_place: as published, which
+/// exceeds 1, and with the bound of eval_sheen.
 #define CLARAY_SHEEN CLARAY_ENERGY_TABLE
+#define CLARAY_BOUNDED_SHEEN (2 * CLARAY_ENERGY_TABLE)
 /// Below this roughness, sheen is visible only at angles where surfaces are almost invisible, and float32 does not
 /// resolve its lobe.
 #define CLARAY_LEAST_SHEEN 0.07f
@@ -20,11 +22,23 @@
 /// Share of light that one reflection by an anisotropic conductor loses. Indices: the square roots of alpha along the
 /// tangent and across it, each in CLARAY_STRETCH_SIZE steps; the square of the sine of the angle to the tangent (0,
 /// 1/2, 1); loss_place with the alpha of that angle. The averages over the hemisphere follow.
-#define CLARAY_STRETCH (2 * CLARAY_ENERGY_TABLE)
+#define CLARAY_STRETCH (3 * CLARAY_ENERGY_TABLE)
 #define CLARAY_STRETCH_SIZE 20
 #define CLARAY_STRETCH_ROW (3 * CLARAY_ENERGY_SIZE)
 #define CLARAY_STRETCH_AVERAGES (CLARAY_STRETCH_SIZE * CLARAY_STRETCH_SIZE * CLARAY_STRETCH_ROW)
 #define CLARAY_STRETCH_TABLE (CLARAY_STRETCH_AVERAGES + CLARAY_STRETCH_SIZE * CLARAY_STRETCH_SIZE)
+
+/// The cosines to the facets that reflect: shares of what an isotropic conductor reflects once, by roughness,
+/// cosine_place, and the cosines (k / 7)^2, such that sums of shares times values there are means over the facets. Their
+/// averages over the hemisphere follow, by roughness.
+#define CLARAY_FACETS (CLARAY_STRETCH + CLARAY_STRETCH_TABLE)
+#define CLARAY_FACET_COSINES 8
+#define CLARAY_FACET_AVERAGES (CLARAY_ENERGY_SIZE * CLARAY_ENERGY_SIZE * CLARAY_FACET_COSINES)
+#define CLARAY_FACET_TABLE (CLARAY_FACET_AVERAGES + CLARAY_ENERGY_SIZE * CLARAY_FACET_COSINES)
+
+/// The curve of Fresnel's equations of a larger index falls before it rises: KHR_materials_specular takes the curve of
+/// this index then.
+#define CLARAY_MOST_CURVE_IOR 3.0f
 
 /// Tables of one index of refraction: the share of light that a dielectric does not reflect; the share that is neither
 /// reflected nor transmitted, from outside and from inside; and the share of diffuse light from outside that a smooth
@@ -41,5 +55,9 @@
 #define CLARAY_METAL_SIZE 16
 #define CLARAY_COAT_SCALES CLARAY_ENERGY_BLOCK
 #define CLARAY_COAT_TABLE (CLARAY_ENERGY_SIZE * CLARAY_METAL_SIZE * CLARAY_ENERGY_SIZE)
+
+/// After the block of an anisotropic dielectric and the room of a coat's table: the share of light that it does not
+/// reflect, in the form of CLARAY_STRETCH, but by cosine_place.
+#define CLARAY_STRETCHED_UNREFLECTED (CLARAY_COAT_SCALES + CLARAY_COAT_TABLE)
 
 #endif

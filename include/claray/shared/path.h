@@ -43,6 +43,7 @@ typedef struct SceneTables {
     uint normals;             // float, 3 per vertex
     uint triangle_materials;  // uint
     uint materials;           // MaterialData
+    uint media;               // MediumData
     uint energy;              // float, see energy.h
     uint triangle_lights, punctual_lights, light_tree, light_leaves, light_trails, light_lists, hot_spots, lamps;
     uint light_grid;                           // LightGrid
@@ -50,7 +51,7 @@ typedef struct SceneTables {
     uint listed_pixels;                        // uint, 2 per entry: those of the current round of adaptive sampling
     uint guide;                                // uint, CLARAY_GUIDE_WORDS for each map of the path guide
 } SceneTables;
-CLARAY_LAYOUT(SceneTables, 68)
+CLARAY_LAYOUT(SceneTables, 72)
 
 /// For studies: a ray that a rough surface scatters ends after `reach` and brings this radiance from there; a surface
 /// before reflects it once.
@@ -113,7 +114,7 @@ typedef struct FrameData {
     SceneTables tables;
     PathGuideData guide;
 } FrameData;
-CLARAY_LAYOUT(FrameData, 352)
+CLARAY_LAYOUT(FrameData, 356)
 
 /// Scalar parameters of a stage.
 typedef struct Step {
@@ -124,21 +125,22 @@ typedef struct Step {
     uint room;      // capacity of the queues in paths, a multiple of CLARAY_QUEUE_ROOM
     uint waves;     // number of rays after which paths are not followed: surfaces scatter no ray beyond
 } Step;
-CLARAY_LAYOUT(Step, 388)
+CLARAY_LAYOUT(Step, 392)
 
 /// With this room, every array in a queue begins at a multiple of 1024 bytes, the alignment of sub-buffers.
 #define CLARAY_QUEUE_ROOM 256u
 
 /// A word of a ray queue. The queue consists of consecutive arrays with `room` elements each: Ray, PathState, RayCone
-/// (8 bytes), and the rays' times (float).
+/// (8 bytes), the media that the rays are in (ulong), and the rays' times (float).
 typedef struct RayQueue {
     uint word;
 } RayQueue;
 CLARAY_LAYOUT(RayQueue, 4)
 #define CLARAY_QUEUE_STATES 8u  // words per path before the array
 #define CLARAY_QUEUE_CONES 13u
-#define CLARAY_QUEUE_TIMES 15u
-#define CLARAY_QUEUE_WORDS 16u
+#define CLARAY_QUEUE_MEDIA 15u
+#define CLARAY_QUEUE_TIMES 17u
+#define CLARAY_QUEUE_WORDS 18u
 
 /// A word of a shadow-ray queue: Ray, LightSample, and the rays' times.
 typedef struct ShadowQueue {

@@ -1,0 +1,280 @@
+#include "host/effects/nested_media.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+#include <unordered_map>
+
+#include "host/bsdf/material_data.hpp"
+#include "host/lights/lights.hpp"
+
+namespace claray {
+namespace {
+
+constexpr double growth = 1e-5;  // of touching bodies, as a share of their size and distance from the origin
+
+/// The triangles of one material in a placed mesh.
+struct Body {
+    std::uint32_t mesh, material;
+    glm::mat4 transform;
+    std::vector<std::size_t> triangles;
+    Bounds bounds;  // in the world
+};
+
+std::uint32_t material_of(const Mesh& mesh, std::size_t triangle) {
+    return mesh.materials.empty() ? 0u : mesh.materials[triangle];
+}
+
+glm::vec3 placed_corner(const Mesh& mesh, const glm::mat4& transform, std::uint32_t vertex) {
+    return glm::vec3(transform * glm::vec4(mesh.positions[vertex], 1.f));
+}
+
+Bounds bounds_of(const Mesh& mesh, const glm::mat4& transform, std::size_t triangle) {
+    Bounds bounds;
+    for (int k = 0; k < 3; ++k) bounds.grow(placed_corner(mesh, transform, mesh.triangles[triangle][k]));
+    return bounds;
+}
+
+/// Grown by a share of its size; less than 0: shrunk.
+Bounds grown(const Bounds& bounds, float share) {
+    const glm::vec3 by = share * bounds.extent();
+    return {bounds.lo - by, bounds.hi + by};
+}
+
+bool overlap(const Bounds& a, const Bounds& b) {
+    return glm::all(glm::lessThanEqual(a.lo, b.hi)) && glm::all(glm::lessThanEqual(b.lo, a.hi));
+}
+
+/// Calls call(mesh number, transform) for every placed mesh.
+template <class Call>
+void for_placed_meshes(const Scene& scene, Call call) {
+    if (scene.instances.empty())
+        for (std::uint32_t i = 0; i < scene.meshes.size(); ++i) call(i, glm::mat4(1.f));
+    for (const MeshInstance& instance : scene.instances)
+        if (instance.mesh < scene.meshes.size()) call(instance.mesh, instance.transform);
+}
+
+std::vector<Body> transparent_bodies(const Scene& scene) {
+    std::vector<Body> bodies;
+    for_placed_meshes(scene, [&](std::uint32_t number, const glm::mat4& transform) {
+        const Mesh& mesh = scene.meshes[number];
+        const std::size_t first = bodies.size();
+        for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+            const std::uint32_t material = material_of(mesh, t);
+            if (material >= scene.materials.size() || !has_glass(scene.materials[material])) continue;
+            auto body = std::find_if(bodies.begin() + std::ptrdiff_t(first), bodies.end(),
+                                     [&](const Body& b) { return b.material == material; });
+            if (body == bodies.end()) body = bodies.insert(body, Body{number, material, transform, {}, {}});
+            body->triangles.push_back(t);
+            const Bounds bounds = bounds_of(mesh, transform, t);
+            body->bounds.grow(bounds.lo), body->bounds.grow(bounds.hi);
+        }
+    });
+    return bodies;
+}
+
+/// Of each vertex the first one in the same place: within 1e-5 of the mesh's size, because the ends of a seam are often
+/// rounded differently.
+std::vector<std::uint32_t> welded(const Mesh& mesh) {
+    const Bounds bounds = claray::bounds_of(mesh);
+    const double reach = std::max(1e-5 * double(glm::length(bounds.extent())), 1e-30);
+    const auto cell_of = [&](const glm::dvec3& p) {
+        return glm::i64vec3(glm::floor((p - glm::dvec3(bounds.lo)) / (2 * reach)));
+    };
+    const auto hash = [](const glm::i64vec3& c) {
+        return std::uint64_t(c.x) * 73856093u ^ std::uint64_t(c.y) * 19349663u ^ std::uint64_t(c.z) * 83492791u;
+    };
+    std::unordered_multimap<std::uint64_t, std::uint32_t> firsts;
+    std::vector<std::uint32_t> same(mesh.positions.size());
+    for (std::uint32_t v = 0; v < same.size(); ++v) {
+        const glm::dvec3 p = mesh.positions[v];
+        same[v] = v;
+        // A cell is as wide as the reach on both sides together: it and its nearest neighbours hold all in reach.
+        for (int corner = 0; corner < 8 && same[v] == v; ++corner) {
+            const glm::dvec3 side(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
+            const auto [begin, end] = firsts.equal_range(hash(cell_of(p + reach * side)));
+            for (auto it = begin; it != end && same[v] == v; ++it)
+                if (glm::distance(glm::dvec3(mesh.positions[it->second]), p) <= reach) same[v] = it->second;
+        }
+        if (same[v] == v) firsts.emplace(hash(cell_of(p)), v);
+    }
+    return same;
+}
+
+/// Whether each edge of these triangles is passed as often in one direction as in the other.
+bool is_closed(const Mesh& mesh, const std::vector<std::size_t>& triangles) {
+    const std::vector<std::uint32_t> same = welded(mesh);
+    std::vector<std::pair<std::uint64_t, int>> edges;
+    for (const std::size_t t : triangles)
+        for (int k = 0; k < 3; ++k) {
+            const std::uint64_t a = same[mesh.triangles[t][k]], b = same[mesh.triangles[t][(k + 1) % 3]];
+            if (a != b) edges.emplace_back(std::min(a, b) << 32 | std::max(a, b), a < b ? 1 : -1);
+        }
+    std::sort(edges.begin(), edges.end());
+    int sum = 0;
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+        sum += edges[i].second;
+        if (i + 1 < edges.size() && edges[i + 1].first == edges[i].first) continue;
+        if (sum != 0) return false;
+    }
+    return !edges.empty();
+}
+
+/// Whether a triangle that is not the body's own reaches into its box.
+bool meets_triangles(const Scene& scene, const Body& body) {
+    const Bounds inner = grown(body.bounds, -1e-4f);
+    bool found = false;
+    for_placed_meshes(scene, [&](std::uint32_t number, const glm::mat4& transform) {
+        const Mesh& mesh = scene.meshes[number];
+        const bool same = number == body.mesh && transform == body.transform;
+        for (std::size_t t = 0; t < mesh.triangles.size() && !found; ++t)
+            if (!(same && material_of(mesh, t) == body.material)) found = overlap(inner, bounds_of(mesh, transform, t));
+    });
+    return found;
+}
+
+bool touch(const Body& a, const Body& b) { return overlap(grown(a.bounds, 1e-4f), grown(b.bounds, 1e-4f)); }
+
+/// Whether anything may lie within the body.
+bool is_occupied(const Scene& scene, const std::vector<Body>& bodies, const Body& body) {
+    for (const Body& other : bodies)
+        if (&other != &body && touch(body, other)) return true;
+    for (const Light& light : scene.lights)
+        if (!traits_of(light.kind)->far && overlap(body.bounds, {light.position, light.position})) return true;
+    for (const PrimitiveSet& set : scene.primitives)
+        if (overlap(grown(body.bounds, -1e-4f), claray::bounds_of(set))) return true;
+    return meets_triangles(scene, body);
+}
+
+/// Whether a point is in a body: a ray from there leaves it more often than it enters it.
+bool is_in(const Scene& scene, const Body& body, const glm::dvec3& from) {
+    const glm::dvec3 towards = glm::normalize(glm::dvec3(0.6180339, 0.3141592, 0.7182818));
+    const Mesh& mesh = scene.meshes[body.mesh];
+    int crossings = 0;
+    for (const std::size_t t : body.triangles) {
+        glm::dvec3 v[3];
+        for (int k = 0; k < 3; ++k) v[k] = glm::dvec3(placed_corner(mesh, body.transform, mesh.triangles[t][k])) - from;
+        const auto side = [&](int a, int b) { return glm::dot(towards, glm::cross(v[a], v[b])); };
+        const double s[] = {side(1, 2), side(2, 0), side(0, 1)};
+        const bool out = s[0] >= 0 && s[1] >= 0 && s[2] >= 0, in = s[0] < 0 && s[1] < 0 && s[2] < 0;
+        if (!(out || in) || s[0] + s[1] + s[2] == 0) continue;
+        const glm::dvec3 normal = glm::cross(v[1] - v[0], v[2] - v[0]);
+        if (glm::dot(normal, v[0]) / glm::dot(normal, towards) > 0) crossings += out ? 1 : -1;
+    }
+    return crossings != 0;
+}
+
+/// Whether one body is within the other, as 32 points just below its surface say.
+bool is_within(const Scene& scene, const Body& body, const Body& other) {
+    constexpr std::size_t points = 32;
+    const Mesh& mesh = scene.meshes[body.mesh];
+    const double depth = 1e-4 * double(glm::length(body.bounds.extent()));
+    for (std::size_t i = 0; i < points; ++i) {
+        const glm::uvec3 corners = mesh.triangles[body.triangles[i * body.triangles.size() / points]];
+        glm::dvec3 v[3];
+        for (int k = 0; k < 3; ++k) v[k] = placed_corner(mesh, body.transform, corners[k]);
+        const glm::dvec3 normal = glm::cross(v[1] - v[0], v[2] - v[0]);
+        const double length = glm::length(normal);
+        if (length > 0 && !is_in(scene, other, (v[0] + v[1] + v[2]) / 3.0 - depth / length * normal)) return false;
+    }
+    return true;
+}
+
+/// For each material, how many others have a body around one of its own.
+std::vector<int> depths(const Scene& scene, const std::vector<Body>& bodies) {
+    std::set<std::pair<std::uint32_t, std::uint32_t>> within;
+    for (const Body& body : bodies)
+        for (const Body& other : bodies)
+            if (body.material != other.material && touch(body, other) &&
+                !within.contains({body.material, other.material}) && is_within(scene, body, other))
+                within.insert({body.material, other.material});
+    std::vector<int> found(scene.materials.size());
+    for (const auto& [material, around] : within) ++found[material];
+    return found;
+}
+
+/// The closed bodies, if any of them is occupied.
+std::vector<Body> nested_bodies(const Scene& scene) {
+    std::vector<Body> bodies = transparent_bodies(scene);
+    const bool any =
+        std::any_of(bodies.begin(), bodies.end(), [&](const Body& body) { return is_occupied(scene, bodies, body); });
+    if (!any) return {};
+    std::set<std::uint32_t> open;
+    for (const Body& body : bodies)
+        if (!is_closed(scene.meshes[body.mesh], body.triangles)) open.insert(body.material);
+    std::erase_if(bodies, [&](const Body& body) { return open.contains(body.material); });
+    return bodies;
+}
+
+std::vector<std::uint32_t> ranked(const Scene& scene, const std::vector<Body>& bodies) {
+    std::vector<std::uint32_t> materials;
+    for (const Body& body : bodies) materials.push_back(body.material);
+    std::sort(materials.begin(), materials.end());
+    materials.erase(std::unique(materials.begin(), materials.end()), materials.end());
+    const std::vector<int> depth = depths(scene, bodies);
+    std::stable_sort(materials.begin(), materials.end(), [&](std::uint32_t a, std::uint32_t b) {
+        return std::pair(depth[a], scene.materials[a].ior) < std::pair(depth[b], scene.materials[b].ior);
+    });
+    constexpr std::size_t most = 0xffff;  // 16 bits in kernels/shade/media.clh
+    if (materials.size() > most) materials.resize(most);
+    return materials;
+}
+
+/// Moves the faces of a body outwards by at least `distance`, in the mesh's units.
+void grow_body(Mesh& mesh, const Body& body, double distance) {
+    const std::vector<std::uint32_t> same = welded(mesh);
+    std::vector<glm::dvec3> sums(mesh.positions.size());
+    std::vector<double> least(sums.size(), 1);
+    const auto for_faces = [&](auto call) {
+        for (const std::size_t t : body.triangles) {
+            const glm::uvec3 v = mesh.triangles[t];
+            const glm::dvec3 a = mesh.positions[v.x], b = mesh.positions[v.y], c = mesh.positions[v.z];
+            const glm::dvec3 normal = glm::cross(b - a, c - a);
+            const double length = glm::length(normal);
+            for (int k = 0; k < 3 && length > 0; ++k) call(same[v[k]], normal / length);
+        }
+    };
+    for_faces([&](std::uint32_t v, const glm::dvec3& normal) { sums[v] += normal; });
+    for (glm::dvec3& sum : sums)
+        if (const double length = glm::length(sum); length > 0) sum /= length;
+    for_faces(
+        [&](std::uint32_t v, const glm::dvec3& normal) { least[v] = std::min(least[v], glm::dot(sums[v], normal)); });
+    std::vector<bool> moves(sums.size());
+    for (const std::size_t t : body.triangles)
+        for (int k = 0; k < 3; ++k) moves[mesh.triangles[t][k]] = true;
+    for (std::size_t v = 0; v < sums.size(); ++v)
+        if (moves[v]) mesh.positions[v] += glm::vec3(distance / std::max(least[same[v]], 0.25) * sums[same[v]]);
+}
+
+/// `growth` of the body's size and distance from the origin, in the mesh's units.
+double growth_of(const Body& body) {
+    const glm::vec3 farthest = glm::max(glm::abs(body.bounds.lo), glm::abs(body.bounds.hi));
+    const double scale = std::cbrt(std::abs(double(glm::determinant(glm::mat3(body.transform)))));
+    return growth * double(glm::length(body.bounds.extent()) + glm::length(farthest)) / std::max(scale, 1e-30);
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> nested_media(const Scene& scene) { return ranked(scene, nested_bodies(scene)); }
+
+std::optional<Scene> with_overlapping_media(const Scene& scene) {
+    const std::vector<Body> bodies = nested_bodies(scene);
+    const std::vector<std::uint32_t> ranks = ranked(scene, bodies);
+    const auto rank = [&](const Body& body) {
+        return std::find(ranks.begin(), ranks.end(), body.material) - ranks.begin();
+    };
+    std::optional<Scene> changed;
+    std::set<std::pair<std::uint32_t, std::uint32_t>> grew;  // once, although there may be several instances
+    for (const Body& body : bodies) {
+        const bool meets_higher = std::any_of(bodies.begin(), bodies.end(), [&](const Body& other) {
+            return rank(other) > rank(body) && touch(body, other);
+        });
+        if (!meets_higher || !grew.insert({body.mesh, body.material}).second) continue;
+        if (!changed) changed = scene;
+        grow_body(changed->meshes[body.mesh], body, growth_of(body));
+    }
+    return changed;
+}
+
+}  // namespace claray
