@@ -37,7 +37,7 @@ std::string extension_of(const std::filesystem::path& path) {
     return extension;
 }
 
-/// Warns of coordinates far from the origin, such as those of maps, which float32 rounds to coarse steps.
+/// Warns of coordinates far from the origin, as maps have them, which float32 rounds to coarse steps.
 void warn_of_rounding(const Scene& scene, const std::string& name, Warnings& warnings) {
     constexpr double most = 1e-5;  // of the extent
     const Bounds bounds = bounds_of(scene);

@@ -40,7 +40,7 @@ class RayMeshIntersector:
 
     mesh: a trimesh.Trimesh; the structure is built at the first query, and again after the mesh has changed.
     scale_to_box: accepted as trimesh's Embree engine has it; positions are always taken relative to the centre of the
-    mesh, or of those of its parts that are far from each other. device: as of claray.Bvh.
+    mesh; parts that are far from each other have centres of their own. device: as of claray.Bvh.
     """
 
     def __init__(self, mesh: Any = None, scale_to_box: bool = True, *, device: AnyDevice = None, geometry: Any = None) -> None:

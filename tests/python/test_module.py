@@ -6,7 +6,7 @@ import claray
 
 
 def test_shows_no_symbols_of_claray():
-    """Else those of another library that contains claray would be mixed with them."""
+    """Else the functions of another library that contains claray could replace them."""
     shown = subprocess.run(["nm", "-D", "--defined-only", "-C", claray._native.__file__], capture_output=True, text=True, check=True)
     names = [line.split(maxsplit=2)[2] for line in shown.stdout.splitlines()]
     assert "PyInit__native" in names and len(names) < 100

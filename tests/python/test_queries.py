@@ -101,7 +101,7 @@ def test_one_origin_or_direction_for_all(soup, rays):
 
 
 def test_rays_in_rows_and_columns(soup, rays):
-    """As those of the pixels of an image."""
+    """As the pixels of an image have them."""
     _, _, bvh = soup
     shape = (37, 21)
     origins, directions = (array.reshape(*shape, 3) for array in rays)
