@@ -63,11 +63,11 @@ CLARAY_API void claray_device_release(claray_device* device);
 /* ---- structures ---- */
 
 typedef enum claray_builder {
-    CLARAY_BUILDER_FAST = 0,     /* fastest to build */
-    CLARAY_BUILDER_BALANCED = 1, /* better tree, slower */
-    CLARAY_BUILDER_HIGH = 2,     /* best tree, slowest; splits large triangles */
-    CLARAY_BUILDER_BINNED = 3,   /* binned SAH, nothing split: for geometry that is refitted */
-    CLARAY_BUILDER_AUTO = 4      /* high on GPUs, else balanced; used where there is no claray_bvh_config */
+    CLARAY_BUILDER_AUTOMATIC = 0, /* the default: high on GPUs, else balanced */
+    CLARAY_BUILDER_FAST = 1,      /* fastest to build */
+    CLARAY_BUILDER_BALANCED = 2,  /* better tree, slower */
+    CLARAY_BUILDER_HIGH = 3,      /* best tree, slowest; splits large triangles */
+    CLARAY_BUILDER_BINNED = 4     /* binned SAH, nothing split: for geometry that is refitted */
 } claray_builder;
 
 typedef struct claray_mesh {
@@ -86,7 +86,7 @@ typedef struct claray_bvh_config {
     claray_builder builder;
     float split_budget; /* CLARAY_BUILDER_HIGH: additional references per triangle; 0: 0.5, < 0: none */
     int learns; /* whether queries may replace the tree by a better one, once rays have been traced for long enough
-                   (docs/queries.md); > 0: yes, < 0: no, 0: if the builder is CLARAY_BUILDER_AUTO */
+                   (docs/queries.md); > 0: yes, < 0: no, 0: if the builder is CLARAY_BUILDER_AUTOMATIC */
 } claray_bvh_config;
 
 /* Copies the mesh to the device. config: NULL for the defaults. */
@@ -101,6 +101,9 @@ CLARAY_API claray_status claray_bvh_save(const claray_bvh* bvh, const char* path
  * again. */
 CLARAY_API claray_status claray_bvh_move(claray_bvh* bvh, const float* vertices, size_t vertex_count, int rebuild);
 CLARAY_API size_t claray_bvh_triangle_count(const claray_bvh* bvh);
+/* Writes 1 if the triangles close, else 0: if every edge belongs to an even number of them. Edges are the same if the
+ * coordinates of their ends are. Blocks. */
+CLARAY_API claray_status claray_bvh_is_closed(const claray_bvh* bvh, int* closed);
 /* 1 if queries trace a better tree than the one that was built: see claray_bvh_config. */
 CLARAY_API int claray_bvh_is_replaced(const claray_bvh* bvh);
 CLARAY_API void claray_bvh_release(claray_bvh* bvh);
@@ -184,9 +187,10 @@ typedef struct claray_nearest {
  * which one is found; INFINITY: any. nearest: `count` elements. Points that are not finite find nothing. Blocks. */
 CLARAY_API claray_status claray_nearest_point(const claray_bvh* bvh, const float* points, size_t count, float reach,
                                               claray_nearest* nearest);
-/* Writes 1 for each point inside of the closed mesh, else 0. Blocks. */
+/* Writes 1 for each point inside of the closed mesh, else 0. An open mesh (claray_bvh_is_closed) has no inside: a point is
+ * then called inside if the ray from it along +z crosses the surface an odd number of times. Blocks. */
 CLARAY_API claray_status claray_inside(const claray_bvh* bvh, const float* points, size_t count, uint8_t* inside);
-/* The distance of each point to the surface of the closed mesh, negative inside. Blocks. */
+/* The distance of each point to the surface of the closed mesh, negative inside (as of claray_inside). Blocks. */
 CLARAY_API claray_status claray_signed_distance(const claray_bvh* bvh, const float* points, size_t count,
                                                 float* distances);
 

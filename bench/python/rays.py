@@ -89,7 +89,7 @@ def wrong_from_outside(hit, mesh, count, rng):
 def compare_speed(mesh, options, rows):
     rng = np.random.default_rng(1)
     embree, own = RayMeshIntersector(mesh), claray.trimesh.RayMeshIntersector(mesh)
-    bvh = claray.Bvh(mesh.vertices, mesh.faces)
+    bvh = claray.Bvh(mesh.vertices, mesh.faces, builder="high")
     for order, (origins, directions) in (("in order", rays_in_order(mesh, options.rays)),
                                          ("random", rays_in_random_order(mesh, options.rays, rng))):
         scaled = ((origins - embree._scene.origin) * embree._scene.scale).astype(np.float32)
@@ -133,7 +133,7 @@ def compare_with_cpp(options, order, packed, bvh, out, rows):
 
 def compare_hits(mesh, options, rows):
     embree, own = RayMeshIntersector(mesh), claray.trimesh.RayMeshIntersector(mesh)
-    bvh = claray.Bvh(mesh.vertices, mesh.faces)
+    bvh = claray.Bvh(mesh.vertices, mesh.faces, builder="high")
 
     def distance_by_embree(origins, directions):
         locations, rays, _ = embree.intersects_location(origins, directions, multiple_hits=False)

@@ -161,6 +161,20 @@ BvhStatistics Bvh::statistics() const {
 double Bvh::cost_growth() const { return state_->built_cost > 0 ? state_->sah_cost() / state_->built_cost : 1; }
 bool Bvh::should_rebuild(double most_growth) const { return cost_growth() > most_growth; }
 
+bool Bvh::is_closed() const {
+    require_triangles(*this, "a test for closed surfaces");
+    if (!state_->closed) {
+        constexpr std::uint32_t most_items = 1u << 16;
+        Buffer<std::uint32_t> sums(device(), 2);
+        sums.fill(0);
+        load_kernel(device(), "bvh/validate.cl", "sum_edges")
+            .run({std::min(state_->count, most_items), 0}, state_->triangles.positions,
+                 arg("indices", state_->triangles.indices), state_->count, arg("sums", sums));
+        state_->closed = sums.read() == std::vector<std::uint32_t>{0, 0};
+    }
+    return *state_->closed;
+}
+
 BvhValidation Bvh::validate() const {
     const std::uint32_t count = state_->count;
     Buffer<std::uint32_t> seen(device(), count), of_nodes(device(), 2), of_leaves(device(), 3);

@@ -245,6 +245,7 @@ void Bvh::State::build_hploc(const Buffer<Code>& codes) {
 void Bvh::State::build() {
     if (!prepared_) prepare_to_build_after_host();
     built_cost = 0;
+    closed.reset();
     splits_of_host = false;
     compute_bounds();
     if (!traits_of(config.builder).codes)
@@ -290,6 +291,7 @@ void Bvh::State::load_refit() {
 }
 
 void Bvh::State::refit() {
+    closed.reset();
     load_refit();
     if (built_cost == 0) built_cost = sah_cost();
     arrivals.fill(0);

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <memory>
 #include <mutex>
+#include <optional>
 
 #include "claray/bvh.hpp"
 #include "host/bvh/layout.hpp"
@@ -66,7 +67,8 @@ struct Bvh::State {
     bool splits_of_host = false;  // a tree from elsewhere has triangles in several leaves
     bool small_kernels = false;   // see CLARAY_SMALL in kernels/trace/closest_hit.clh
 
-    double built_cost = 0;  // the cost before the first refit; 0: none since the last build
+    double built_cost = 0;       // the cost before the first refit; 0: none since the last build
+    std::optional<bool> closed;  // see Bvh::is_closed; none since the vertices moved
 
     Buffer<BvhHeader> header;
     Buffer<BvhNode> nodes;

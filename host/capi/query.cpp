@@ -21,9 +21,10 @@ Bvh::Config config_of(const claray_bvh_config* given) {
     const claray_bvh_config known = versioned(given, "config");
     Bvh::Config config;
     const int builder = number_of(known.builder);
-    if (builder < 0 || builder > int(Builder::automatic))
+    if (builder < 0 || builder > int(std::size(builders)))
         throw Error(ErrorKind::usage, "config.builder is " + std::to_string(builder), "use a claray_builder");
-    config.builder = Builder(builder);
+    static_assert(CLARAY_BUILDER_AUTOMATIC == 0 && CLARAY_BUILDER_BINNED == int(Builder::binned) + 1);
+    if (builder != CLARAY_BUILDER_AUTOMATIC) config.builder = Builder(builder - 1);
     if (known.split_budget != 0) config.split_budget = known.split_budget < 0 ? 0 : double(known.split_budget);
     if (known.learns != 0) config.learns = known.learns > 0;
     return config;
@@ -161,6 +162,9 @@ claray_status claray_bvh_move(claray_bvh* bvh, const float* vertices, size_t ver
     });
 }
 
+claray_status claray_bvh_is_closed(const claray_bvh* bvh, int* closed) {
+    return guarded([&] { required(closed, "closed") = required(bvh, "bvh").bvh.is_closed() ? 1 : 0; });
+}
 int claray_bvh_is_replaced(const claray_bvh* bvh) { return bvh && bvh->bvh.is_replaced() ? 1 : 0; }
 size_t claray_bvh_triangle_count(const claray_bvh* bvh) { return bvh ? bvh->bvh.triangle_count() : 0; }
 void claray_bvh_release(claray_bvh* bvh) { delete bvh; }

@@ -266,7 +266,9 @@ void add_bench_command(CLI::App& app, Action& action) {
         ->allow_extra_args(false)
         ->transform(choice_of(measure::builders))
         ->type_name("NAME");
-    command->add_option("--layout", o.bench.layout, "Layout of the tree for tracing: auto, binary or wide [auto]")
+    command
+        ->add_option("--layout", o.bench.layout,
+                     "Layout of the tree for tracing: automatic, binary or wide [automatic]")
         ->transform(choice_of(measure::layouts))
         ->type_name("NAME");
     add_size_option(*command, o.bench.width, o.bench.height, "WIDTHxHEIGHT of each of the three views [320x180]");

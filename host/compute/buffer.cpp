@@ -2,6 +2,7 @@
 
 #include "host/compute/device_error.hpp"
 #include "host/compute/device_state.hpp"
+#include "host/compute/fork.hpp"
 #include "host/compute/memory.hpp"
 
 #include <algorithm>
@@ -44,6 +45,7 @@ std::uint64_t bytes_left_for(const Device& device, std::size_t bytes) {
 }  // namespace
 
 std::shared_ptr<cl::Buffer> allocate(const Device& device, std::size_t bytes) {
+    refuse_if_forked();
     const DeviceInfo& info = device.info();
     if (device.state().requests != nullptr) return {};  // a rehearsal, see requests_of: only kernels are of interest
     if (MemoryPlan* plan = device.state().plan; plan != nullptr) {
@@ -103,6 +105,7 @@ std::shared_ptr<cl::Buffer> adopt(const Device& device, cl_mem memory, std::size
 }
 
 std::shared_ptr<cl::Buffer> in_place(const Device& device, const void* host, std::size_t bytes) {
+    refuse_if_forked();
     constexpr std::uintptr_t alignment = 16;  // kernels read rays as float4
     if (device.info().type != DeviceType::cpu || reinterpret_cast<std::uintptr_t>(host) % alignment != 0) return {};
     try {
@@ -115,6 +118,7 @@ std::shared_ptr<cl::Buffer> in_place(const Device& device, const void* host, std
 
 void view(const Device& device, const cl::Buffer& buffer, std::size_t bytes,
           const std::function<void(const void*)>& use) try {
+    refuse_if_forked();
     void* mapped = nullptr;
     device.profiler().record("map_buffer", [&](cl::Event* event) {
         mapped = device.queue().enqueueMapBuffer(buffer, CL_TRUE, CL_MAP_READ, 0, bytes, nullptr, event);
@@ -133,6 +137,7 @@ void view(const Device& device, const cl::Buffer& buffer, std::size_t bytes,
 
 void write(const Device& device, const cl::Buffer& buffer, std::size_t offset, const void* data,
            std::size_t bytes) try {
+    refuse_if_forked();
     device.profiler().record("write_buffer", [&](cl::Event* event) {
         device.queue().enqueueWriteBuffer(buffer, CL_TRUE, offset, bytes, data, nullptr, event);
     });
@@ -141,6 +146,7 @@ void write(const Device& device, const cl::Buffer& buffer, std::size_t offset, c
 }
 
 void read(const Device& device, const cl::Buffer& buffer, std::size_t offset, void* data, std::size_t bytes) try {
+    refuse_if_forked();
     device.profiler().record("read_buffer", [&](cl::Event* event) {
         device.queue().enqueueReadBuffer(buffer, CL_TRUE, offset, bytes, data, nullptr, event);
     });
@@ -150,6 +156,7 @@ void read(const Device& device, const cl::Buffer& buffer, std::size_t offset, vo
 
 void copy(const Device& device, const cl::Buffer& from, const cl::Buffer& to, std::size_t bytes,
           std::size_t offset) try {
+    refuse_if_forked();
     device.profiler().record("copy_buffer", [&](cl::Event* event) {
         device.queue().enqueueCopyBuffer(from, to, 0, offset, bytes, nullptr, event);
     });
@@ -158,6 +165,7 @@ void copy(const Device& device, const cl::Buffer& from, const cl::Buffer& to, st
 }
 
 void fill_bytes(const Device& device, const cl::Buffer& buffer, unsigned pattern, std::size_t bytes) try {
+    refuse_if_forked();
     device.profiler().record("fill_buffer", [&](cl::Event* event) {
         device.queue().enqueueFillBuffer(buffer, cl_uint(pattern), 0, bytes, nullptr, event);
     });

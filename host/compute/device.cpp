@@ -8,6 +8,7 @@
 #include "host/compute/device_error.hpp"
 #include "host/compute/device_state.hpp"
 #include "host/compute/driver_setup.hpp"
+#include "host/compute/fork.hpp"
 #include "host/compute/tuning.hpp"
 
 namespace claray {
@@ -60,6 +61,8 @@ DeviceInfo describe(const cl::Device& device, std::size_t index) {
 }
 
 std::vector<cl::Device> all_devices() {
+    refuse_if_forked();
+    note_forks();
     set_up_drivers();
     std::vector<cl::Platform> platforms;
     try {
@@ -229,6 +232,7 @@ std::vector<Device> Device::open_several(const std::string& selectors) {
 }
 
 Device Device::with_units(unsigned units) const try {
+    refuse_if_forked();
     auto state = std::make_shared<State>();
     cl::Device whole = state_->device;
     const cl_device_partition_property by_counts[] = {
@@ -247,6 +251,7 @@ Device Device::with_units(unsigned units) const try {
 }
 
 Device Device::adopt(cl_context context, cl_command_queue queue) try {
+    refuse_if_forked();
     auto state = std::make_shared<State>();
     state->context = cl::Context(context, true);
     state->queue = cl::CommandQueue(queue, true);
@@ -268,6 +273,7 @@ Device Device::adopt(cl_context context, cl_command_queue queue) try {
 }
 
 Device Device::with_new_queue() const try {
+    refuse_if_forked();
     auto state = std::make_shared<State>();
     state->info = state_->info;
     state->device = state_->device;
@@ -286,6 +292,7 @@ Device Device::with_new_queue() const try {
 }
 
 void Device::wait_for(std::span<const cl::Event> events) const try {
+    refuse_if_forked();
     if (events.empty()) return;
     const std::vector<cl::Event> list(events.begin(), events.end());
     state_->queue.enqueueBarrierWithWaitList(&list);
@@ -294,6 +301,7 @@ void Device::wait_for(std::span<const cl::Event> events) const try {
 }
 
 cl::Event Device::event() const try {
+    refuse_if_forked();
     cl::Event event;
     state_->queue.enqueueMarkerWithWaitList(nullptr, &event);
     state_->queue.flush();
@@ -320,10 +328,11 @@ void Device::set_tuning(const std::string& kernel, const std::string& parameter,
 
 Device::State::~State() {
     locked.reset();
-    if (owns_queue) clFinish(queue());
+    if (owns_queue && !is_forked()) clFinish(queue());
 }
 
 void Device::finish() const try {
+    refuse_if_forked();
     state_->queue.finish();
     state_->profiler.collect();
 } catch (const cl::Error& error) {

@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <fstream>
 
 #include "claray/error.hpp"
+#include "host/base/format.hpp"
 #include "host/io/default_light.hpp"
 #include "host/io/words.hpp"
 
@@ -99,14 +101,23 @@ Format format_of(const std::filesystem::path& path) {
     return format_by_content(path);
 }
 
-}  // namespace
-
-std::optional<double> animation_seconds(const std::string& name_or_path, const LoadOptions& options) {
-    if (builtin_scene(name_or_path) || format_of(name_or_path) != Format::gltf) return {};
-    return gltf_animation_seconds(name_or_path, options);
+/// Warns of coordinates far from the origin, as maps have them, which float32 rounds to coarse steps.
+void warn_of_rounding(const Scene& scene, const std::string& name, Warnings& warnings) {
+    constexpr double most = 1e-5;  // of the extent
+    const Bounds bounds = bounds_of(scene);
+    if (bounds.empty()) return;
+    const auto largest = [](const glm::vec3& v) { return double(std::max({v.x, v.y, v.z})); };
+    const double extent = largest(bounds.extent());
+    const double farthest = largest(glm::max(glm::abs(bounds.lo), glm::abs(bounds.hi)));
+    const double rounding = std::exp2(std::floor(std::log2(farthest)) - 24);
+    if (extent > 0 && rounding > most * extent)
+        warnings.push_back("'" + name + "': coordinates reach " +
+                           printed("%.6g, where float32 rounds them by up to %.2g, and their extent is %.3g", farthest,
+                                   rounding, extent) +
+                           "; move the scene to the origin in the program that wrote the file");
 }
 
-LoadedScene load_without_light(const std::string& name_or_path, Warnings& warnings, const LoadOptions& options) {
+LoadedScene load(const std::string& name_or_path, Warnings& warnings, const LoadOptions& options) {
     if (std::optional<Scene> scene = builtin_scene(name_or_path)) {
         refuse_choice(name_or_path, options);
         refuse_radius(name_or_path, options);
@@ -131,6 +142,19 @@ LoadedScene load_without_light(const std::string& name_or_path, Warnings& warnin
     for (const char* name : builtin_scene_names()) known += std::string(known.empty() ? "" : ", ") + name;
     throw Error(ErrorKind::usage, "unknown scene '" + name_or_path + "'",
                 "give a .obj, .ply, .stl, .gltf or .glb file or one of " + known);
+}
+
+}  // namespace
+
+std::optional<double> animation_seconds(const std::string& name_or_path, const LoadOptions& options) {
+    if (builtin_scene(name_or_path) || format_of(name_or_path) != Format::gltf) return {};
+    return gltf_animation_seconds(name_or_path, options);
+}
+
+LoadedScene load_without_light(const std::string& name_or_path, Warnings& warnings, const LoadOptions& options) {
+    LoadedScene loaded = load(name_or_path, warnings, options);
+    if (loaded.is_file) warn_of_rounding(loaded.scene, name_or_path, warnings);
+    return loaded;
 }
 
 }  // namespace claray

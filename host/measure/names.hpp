@@ -14,14 +14,14 @@ inline const std::vector<std::pair<std::string, Builder>> builders = {
     CLARAY_BUILDERS(CLARAY_ROW)
 #undef CLARAY_ROW
 };
-/// Those and "auto", for options.
+/// Those and "automatic", for options.
 [[nodiscard]] inline std::vector<std::pair<std::string, Builder>> builders_and_automatic() {
     auto all = builders;
     all.emplace_back(automatic_traits.name, Builder::automatic);
     return all;
 }
 inline const std::vector<std::pair<std::string, Layout>> layouts = {
-    {"auto", Layout::automatic}, {"binary", Layout::binary}, {"wide", Layout::wide}};
+    {"automatic", Layout::automatic}, {"binary", Layout::binary}, {"wide", Layout::wide}};
 
 template <class Value>
 [[nodiscard]] std::string name_of(const std::vector<std::pair<std::string, Value>>& names, Value value) {

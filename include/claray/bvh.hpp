@@ -58,7 +58,7 @@ inline constexpr BuilderTraits builders[] = {
     CLARAY_BUILDERS(CLARAY_ROW)
 #undef CLARAY_ROW
 };
-inline constexpr BuilderTraits automatic_traits = {Builder::automatic, "auto", "high on GPUs, else balanced", true,
+inline constexpr BuilderTraits automatic_traits = {Builder::automatic, "automatic", "high on GPUs, else balanced", true,
                                                    false};
 [[nodiscard]] constexpr const BuilderTraits& traits_of(Builder builder) {
     return builder == Builder::automatic ? automatic_traits : builders[std::size_t(builder)];
@@ -91,10 +91,10 @@ struct BvhValidation {
 /// (one per triangle) may be empty: all triangles belong to geometry 0. `masks` (one per geometry) may be empty: every
 /// ray sees every geometry.
 struct TriangleBuffers {
-    Buffer<float> positions;
-    Buffer<std::uint32_t> indices;
-    Buffer<std::uint32_t> geometries;
-    Buffer<std::uint32_t> masks;
+    Buffer<float> positions = {};
+    Buffer<std::uint32_t> indices = {};
+    Buffer<std::uint32_t> geometries = {};
+    Buffer<std::uint32_t> masks = {};
 };
 
 /// Device memory for a build, in bytes: the triangles, the structure, and the scratch memory that is kept for
@@ -198,6 +198,9 @@ public:
 
     [[nodiscard]] BvhHeader header() const;
     [[nodiscard]] BvhStatistics statistics() const;
+    /// Whether the triangles close: every edge belongs to an even number of them. Edges are the same if the coordinates
+    /// of their ends are. Computed once after a build, rebuild or refit; blocks. An open surface has no inside.
+    [[nodiscard]] bool is_closed() const;
     /// Checks every leaf, box and link on the device. Blocks.
     [[nodiscard]] BvhValidation validate() const;
     /// Returns 32 hexadecimal digits over the binary nodes and the order of the leaves. The hash is equal on all

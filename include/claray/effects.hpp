@@ -111,7 +111,7 @@ struct EffectCause {
 /// For experiments. `add`: effects compiled in although the scene does not use them; no pixel changes. `remove`:
 /// effects removed from the scene; the image changes.
 struct EffectOverrides {
-    EffectSet add, remove;
+    EffectSet add = {}, remove = {};
     [[nodiscard]] bool any() const { return !add.empty() || !remove.empty(); }
 };
 /// Parses a list such as "+textures,-sky". Throws ErrorKind::usage if the list is malformed or a name is unknown.

@@ -1,5 +1,10 @@
-// The only exception type of claray. The message tells what failed, where, and what to do.
+// The only exception type of claray. The message tells what failed, where, and what to do. All headers include this one
+// first, so that compilers of an older standard give one clear error.
 #pragma once
+
+#if __cplusplus <= 201703L
+#error "claray needs C++20: compile with -std=c++20, or set CMAKE_CXX_STANDARD to 20"
+#endif
 
 #include <stdexcept>
 #include <string>

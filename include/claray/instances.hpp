@@ -17,15 +17,15 @@ namespace claray {
 
 /// Instances that are placed together: an instance of the group places all of its members.
 struct InstanceGroup {
-    std::vector<Instance> members;  ///< Instance::bottom: see flatten
+    std::vector<Instance> members = {};  ///< Instance::bottom: see flatten
 };
 
 /// Instances of several levels as instances of one, for InstancedBvh::build.
 struct FlatInstances {
-    std::vector<Instance> instances;
+    std::vector<Instance> instances = {};
     /// How instance i is reached: the index of an instance in `roots`, then that of a member in its group, and so on:
     /// steps[offsets[i]] .. steps[offsets[i + 1] - 1].
-    std::vector<std::uint32_t> offsets, steps;
+    std::vector<std::uint32_t> offsets = {}, steps = {};
 };
 
 /// Places groups in groups, in any number of levels. Instance::bottom below `bottoms` is a structure; `bottoms` + g is

@@ -143,12 +143,12 @@ void write_texture(const std::filesystem::path& path, const Texture& texture);
 /// An image of linear colours, row by row from the top left.
 struct Image {
     unsigned width = 0, height = 0;
-    std::vector<glm::vec3> pixels;
+    std::vector<glm::vec3> pixels = {};
 };
 
 /// Channels of an EXR: float32 in `values`, or whole numbers in `numbers`, pixel by pixel from the top left.
 struct ImageLayer {
-    std::string name;                         ///< "depth"; empty: the image itself, whose channels have no prefix
+    std::string name = {};                    ///< "depth"; empty: the image itself, whose channels have no prefix
     std::string channels = "RGB";             ///< a letter each: "RGB", "XYZ", "Z"
     std::vector<float> values = {};           ///< width * height * channels
     std::vector<std::uint32_t> numbers = {};  ///< or these

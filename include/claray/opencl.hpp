@@ -1,6 +1,8 @@
 // OpenCL-CLHPP, with one configuration for the whole project: OpenCL 1.2, errors as exceptions.
 #pragma once
 
+#include "claray/error.hpp"
+
 #ifndef CL_TARGET_OPENCL_VERSION
 #define CL_TARGET_OPENCL_VERSION 120
 #endif

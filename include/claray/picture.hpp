@@ -3,6 +3,8 @@
 
 #include <cstdint>
 
+#include "claray/error.hpp"
+
 namespace claray {
 
 enum class ToneMap {

@@ -61,8 +61,9 @@ public:
     /// Binds the arguments in order and enqueues the kernel. Asynchronous. An argument is a Buffer, a plain value of
     /// exactly the kernel's type, LocalMemory, nullptr (no buffer), an object that binds several arguments by a member
     /// `bind(Kernel&, index)` (such as Bvh), or one of these with its parameter's name (`arg`). Reading a buffer waits
-    /// for the kernel. Throws ErrorKind::usage if the type or the name of an argument differs from its parameter, and
-    /// for a buffer without a name if one of claray's own kernels takes several buffers of its type.
+    /// for the kernel. Throws ErrorKind::usage if the type or the name of an argument differs from its parameter, for a
+    /// buffer of another context, and for a buffer without a name if one of claray's own kernels takes several buffers
+    /// of its type.
     template <class... Args>
     void run(Range range, const Args&... args) {
         unsigned index = 0;
@@ -95,6 +96,7 @@ private:
     template <class T>
     void bind(unsigned& index, const Buffer<T>& buffer) {
         check_buffer(index, device_type_name(static_cast<const T*>(nullptr)));
+        if (buffer.allocated()) check_context(index, buffer.device());
         const cl_mem memory = buffer.memory()();  // null if nothing is allocated: no buffer
         set_argument(index++, sizeof memory, &memory);
     }
@@ -117,6 +119,7 @@ private:
         }
     }
     void check_buffer(unsigned index, const char* type);
+    void check_context(unsigned index, const Device& of_buffer) const;
     void check_name(unsigned index);
     void set_argument(unsigned index, std::size_t bytes, const void* value);
     void enqueue(Range range, unsigned arguments);
@@ -136,14 +139,14 @@ private:
 
 /// Loads one of claray's own kernels by its file under kernels/ (such as "sort/radix_sort.cl"). It is compiled once per
 /// device and set of macros, then cached in memory and on disk. The file's tuning values become macros; `defines`
-/// override them. Throws ErrorKind::device with the compiler's log.
+/// override them. Throws ErrorKind::device with the compiler's log, ErrorKind::usage for an unknown function.
 [[nodiscard]] Kernel load_kernel(const Device& device, const std::string& file, const std::string& function,
                                  const Defines& defines = {}, Math math = Math::strict);
 
 /// Compiles a kernel from your own source text. It may #include claray's device headers ("claray/shared/types.h",
 /// "trace/closest_hit.clh" and the rest). `name` is the file name in error messages. Compile a kernel that takes a Bvh
 /// or an InstancedBvh with its defines(), which describe its layout; binding a structure with another layout throws
-/// ErrorKind::usage. Throws ErrorKind::device with the compiler's log.
+/// ErrorKind::usage. Throws ErrorKind::device with the compiler's log, ErrorKind::usage for an unknown function.
 [[nodiscard]] Kernel compile_kernel(const Device& device, const std::string& source, const std::string& function,
                                     const Defines& defines = {}, Math math = Math::strict,
                                     const std::string& name = "user.cl");

@@ -23,11 +23,11 @@ struct QueryOptions {
     bool closed = false;
     bool brute_force = false;  ///< tests every triangle, without the tree: same hits, for comparison
     Coherence coherence = Coherence::automatic;
-    Buffer<std::uint32_t> ray_masks;  ///< one per ray; empty: every ray sees every mesh
-    Buffer<float> ray_times;          ///< one per ray, 0 to 1, for an InstancedBvh with motion; empty: time 0
-    Buffer<Visits> visits;            ///< if allocated: receives the cost of each ray
+    Buffer<std::uint32_t> ray_masks = {};  ///< one per ray; empty: every ray sees every mesh
+    Buffer<float> ray_times = {};          ///< one per ray, 0 to 1, for an InstancedBvh with motion; empty: time 0
+    Buffer<Visits> visits = {};            ///< if allocated: receives the cost of each ray
     /// Of a Bvh without `brute_force` and `visits`: only hits that it accepts count. Rays are then traced one by one.
-    HitFilter filter;
+    HitFilter filter = {};
 };
 
 /// Finds the closest hit of every ray. Asynchronous, except on CPUs for 65,536 rays or more without a coherence hint:

@@ -57,7 +57,7 @@ enum class AlphaTest : std::uint32_t { greater_equal, greater, less, less_equal,
 
 /// Surface properties. Colours are linear Rec. 709. A texture multiplies the corresponding value.
 struct Material {
-    std::string name;
+    std::string name = {};
     MaterialKind kind = MaterialKind::lambert;
     /// Lambert, Blinn-Phong: diffuse albedo; mirror and metal: reflectance at normal incidence; glass: tint of
     /// transmitted light; principled: glTF's base colour.
@@ -94,32 +94,32 @@ struct Material {
     AlphaTest alpha_test = AlphaTest::greater_equal;
     bool cull_back = false;  ///< rays pass through the back (glTF: doubleSided = false); ignored for solid glass
 
-    TextureUse albedo_map;               ///< RGB; its alpha multiplies the opacity
-    TextureUse emission_map;             ///< RGB
-    TextureUse metallic_roughness_map;   ///< green: roughness, blue: metallic (glTF)
-    TextureUse transmission_map;         ///< red
-    TextureUse clearcoat_map;            ///< red: clearcoat
-    TextureUse clearcoat_roughness_map;  ///< green: its roughness
-    TextureUse clearcoat_normal_map;     ///< as normal_map; if unused, the coat has the normals of the mesh
+    TextureUse albedo_map = {};               ///< RGB; its alpha multiplies the opacity
+    TextureUse emission_map = {};             ///< RGB
+    TextureUse metallic_roughness_map = {};   ///< green: roughness, blue: metallic (glTF)
+    TextureUse transmission_map = {};         ///< red
+    TextureUse clearcoat_map = {};            ///< red: clearcoat
+    TextureUse clearcoat_roughness_map = {};  ///< green: its roughness
+    TextureUse clearcoat_normal_map = {};     ///< as normal_map; if unused, the coat has the normals of the mesh
     float clearcoat_normal_scale = 1.f;
-    TextureUse specular_map;         ///< RGB: specular_tint; Blinn-Phong: specular
-    TextureUse specular_weight_map;  ///< alpha: specular_weight
-    TextureUse shininess_map;        ///< red: shininess
-    TextureUse sheen_map;            ///< RGB: sheen
-    TextureUse sheen_roughness_map;  ///< alpha: sheen_roughness
-    TextureUse anisotropy_map;       ///< red and green: direction, 0.5 is 0; blue: anisotropy
-    TextureUse iridescence_map;      ///< red: iridescence
-    TextureUse film_thickness_map;   ///< green: interpolates from the first thickness to the second
-    TextureUse opacity_map;          ///< red
-    TextureUse normal_map;  ///< tangent space, 0.5 is 0; +x is right and +y is up in the image, towards decreasing v
-                            ///< (glTF, OpenGL)
+    TextureUse specular_map = {};         ///< RGB: specular_tint; Blinn-Phong: specular
+    TextureUse specular_weight_map = {};  ///< alpha: specular_weight
+    TextureUse shininess_map = {};        ///< red: shininess
+    TextureUse sheen_map = {};            ///< RGB: sheen
+    TextureUse sheen_roughness_map = {};  ///< alpha: sheen_roughness
+    TextureUse anisotropy_map = {};       ///< red and green: direction, 0.5 is 0; blue: anisotropy
+    TextureUse iridescence_map = {};      ///< red: iridescence
+    TextureUse film_thickness_map = {};   ///< green: interpolates from the first thickness to the second
+    TextureUse opacity_map = {};          ///< red
+    TextureUse normal_map = {};  ///< tangent space, 0.5 is 0; +x is right and +y is up in the image, towards decreasing
+                                 ///< v (glTF, OpenGL)
     float normal_scale = 1.f;
-    TextureUse height_map;  ///< red, times `height_scale` in units of the scene; changes the normal only
+    TextureUse height_map = {};  ///< red, times `height_scale` in units of the scene; changes the normal only
     float height_scale = 1.f;
-    TextureUse light_map;  ///< RGB irradiance that replaces light from elsewhere
+    TextureUse light_map = {};  ///< RGB irradiance that replaces light from elsewhere
 
-    std::uint32_t custom = 0;       ///< MaterialKind::custom: the number of the BSDF, from add_bsdf
-    std::vector<float> parameters;  ///< MaterialKind::custom: CustomBsdf::parameters numbers that it reads
+    std::uint32_t custom = 0;            ///< MaterialKind::custom: the number of the BSDF, from add_bsdf
+    std::vector<float> parameters = {};  ///< MaterialKind::custom: CustomBsdf::parameters numbers that it reads
 
     // The members of CLARAY_BSDF_PARAMETERS: `shininess` (Blinn-Phong: exponent of the highlight).
 #define CLARAY_ROW(name, text, standard, check) float name = standard;
@@ -129,12 +129,12 @@ struct Material {
 
 /// A BSDF that reflects. Materials use it with MaterialKind::custom.
 struct CustomBsdf {
-    std::string name;  ///< a C identifier, such as "dust"
+    std::string name = {};  ///< a C identifier, such as "dust"
     /// OpenCL C that defines sample_NAME, eval_NAME and is_delta_NAME as kernels/bsdf/types.clh describes. It may
     /// include the files of kernels/bsdf and kernels/math, and reads Material::parameters by parameters_of(material,
     /// view). Compiler messages name the file NAME.
     /// The energy tables of claray's own BSDFs are not available to it.
-    std::string source;
+    std::string source = {};
     std::uint32_t parameters = 0;  ///< floats in Material::parameters
 };
 
@@ -174,7 +174,7 @@ inline constexpr LightTraits light_kinds[] = {
 
 /// A light that is neither a mesh nor an image.
 struct Light {
-    std::string name;
+    std::string name = {};
     LightKind kind = LightKind::point;
     glm::vec3 position{0.f};
     glm::vec3 direction{0.f, -1.f, 0.f};  ///< in which it shines; not for points
@@ -205,7 +205,7 @@ struct Sky {
 struct Environment {
     /// One image: latitude and longitude, its middle column towards -z and +y at the top. Six images: the faces +x -x
     /// +y -y +z -z of a cube, oriented as in OpenGL. Linear or sRGB. Empty: no environment.
-    std::vector<Texture> images;
+    std::vector<Texture> images = {};
     float strength = 1.f;
     float rotation = 0.f;  ///< radians about +y, counter-clockwise seen from above
 };
@@ -232,16 +232,16 @@ struct MeshInstance {
 };
 
 struct Scene {
-    std::string name;
-    std::vector<Mesh> meshes;
-    std::vector<MeshInstance> instances;   ///< empty: every mesh once, without transform
-    std::vector<PrimitiveSet> primitives;  ///< in the world; they have no instances
-    std::vector<Material> materials;
-    std::vector<Texture> textures;
-    std::vector<Light> lights;
-    Sky sky;
-    Environment environment;
-    std::optional<Camera> camera;  ///< empty: use `automatic_camera`
+    std::string name = {};
+    std::vector<Mesh> meshes = {};
+    std::vector<MeshInstance> instances = {};   ///< empty: every mesh once, without transform
+    std::vector<PrimitiveSet> primitives = {};  ///< in the world; they have no instances
+    std::vector<Material> materials = {};
+    std::vector<Texture> textures = {};
+    std::vector<Light> lights = {};
+    Sky sky = {};
+    Environment environment = {};
+    std::optional<Camera> camera = {};  ///< empty: use `automatic_camera`
 };
 
 /// Returns the box of all placed meshes, including the ends of motion, and of all primitives. For a rotated mesh: the

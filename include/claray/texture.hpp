@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "claray/error.hpp"
+
 namespace claray {
 
 /// How a coordinate outside 0..1 is mapped into it.
@@ -29,12 +31,12 @@ enum class TexelFormat : std::uint32_t {
 /// Texels row by row from the top left. (u, v) = (0, 0) is the top left corner of the image (glTF's convention). OBJ
 /// coordinates start at the bottom left; the OBJ loader converts them.
 struct Texture {
-    std::string name;
+    std::string name = {};
     unsigned width = 0, height = 0;
     unsigned channels = 4;  ///< 1 to 4 per texel: grey, grey and alpha, RGB, RGBA
     TexelFormat format = TexelFormat::srgb8;
-    std::vector<std::uint8_t> bytes;  ///< width * height * channels values for srgb8 and linear8
-    std::vector<float> floats;        ///< the same number of values for float32
+    std::vector<std::uint8_t> bytes = {};  ///< width * height * channels values for srgb8 and linear8
+    std::vector<float> floats = {};        ///< the same number of values for float32
     Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
     Filter filter = Filter::trilinear;
 };

@@ -1,5 +1,5 @@
 // Checks a finished binary tree (each triangle is in a leaf, or in parts that cover it; boxes contain their subtrees; links point
-// back) and measures its SAH cost.
+// back), measures its SAH cost, and finds out whether the triangles close.
 #include "bvh/triangles.clh"
 
 static inline bool contains(Box outer, Box inner) {
@@ -126,4 +126,32 @@ kernel void sum_areas(global const BvhNode* nodes, global const BvhHeader* heade
     }
     sums[2 * item] = of_nodes;
     sums[2 * item + 1] = of_leaves;
+}
+
+/// The finalizer of SplitMix64 (Steele, Lea and Flood 2014).
+static inline ulong mixed(ulong x) {
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ul;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111ebul;
+    return x ^ (x >> 31);
+}
+
+static inline ulong hash_of_vertex(float3 v) {
+    const ulong xy = (ulong)as_uint(v.x) << 32 | as_uint(v.y);
+    return mixed(mixed(xy + 0x9e3779b97f4a7c15ul) + as_uint(v.z));
+}
+
+static inline ulong hash_of_edge(ulong a, ulong b) { return mixed(a + b); }
+
+/// Combines the hashes of all edges by exclusive or, in two words: edges that an even number of triangles share cancel. Vertices are
+/// the same if their coordinates are. The sums are 0 if the surface is closed, and else with a chance of 2^-64.
+kernel void sum_edges(global const float* positions, global const uint* indices, uint count, volatile global uint* sums) {
+    ulong sum = 0;
+    for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+        const Triangle t = load_triangle(positions, indices, i);
+        if (!triangle_valid(t)) continue;
+        const ulong a = hash_of_vertex(t.v0), b = hash_of_vertex(t.v1), c = hash_of_vertex(t.v2);
+        sum ^= hash_of_edge(a, b) ^ hash_of_edge(b, c) ^ hash_of_edge(c, a);
+    }
+    atomic_xor(&sums[0], (uint)sum);
+    atomic_xor(&sums[1], (uint)(sum >> 32));
 }

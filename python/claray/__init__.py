@@ -5,7 +5,7 @@
     hits["t"], hits["primitive"]
 """
 
-from . import errors
+from . import _native, errors
 from ._accuracy import Study, accuracy, studies
 from ._arrays import HIT, INSTANCE_HIT, MISS, NEAREST, RAY
 from ._bvh import Bvh
@@ -22,6 +22,8 @@ from ._render import Renderer, render
 from ._scene import Camera, Light, Material, Scene, builtin_scenes, load
 from ._verify import verify, verify_cases
 from .errors import DeviceError, Error, InputError, UsageError
+
+__version__: str = _native.version
 
 __all__ = [
     "HIT", "INSTANCE_HIT", "MISS", "NEAREST", "RAY", "Bvh", "Camera", "Device", "DeviceError", "Error", "Event", "Filter",

@@ -5,14 +5,18 @@ from __future__ import annotations
 from typing import Any, Callable
 
 from . import _native
-from ._device import Device, default_device
+from ._device import AnyDevice, device_of
+from ._handle import Handle
 from ._render import config_of
 from ._scene import Scene
 from .errors import UsageError
 
 
-class Study:
+class Study(Handle):
     """Error and seconds for every setting of a method, measured on one device. Notebooks show it as a plot."""
+
+    __slots__ = ("_native", "_subtitle")
+    _instead_of_pickling = "take its points, which are dicts, or its svg()"
 
     def __init__(self, native: Any, subtitle: str) -> None:
         self._native, self._subtitle = native, subtitle
@@ -52,7 +56,7 @@ def studies() -> list[str]:
     return _native.study_names()
 
 
-def accuracy(scene: Scene, study: str = "sampling", *, device: Device | None = None, most_spp: int = 256, runs: int = 5,
+def accuracy(scene: Scene, study: str = "sampling", *, device: AnyDevice = None, most_spp: int = 256, runs: int = 5,
              rays: int = 1 << 18, width: int = 128, height: int = 128,
              progress: Callable[[float, str], Any] | None = None, **options: Any) -> Study:
     """Measures what accuracy costs in time; docs/accuracy.md describes the studies. May take minutes.
@@ -69,5 +73,5 @@ def accuracy(scene: Scene, study: str = "sampling", *, device: Device | None = N
         if not isinstance(value, int) or value < 1:
             raise UsageError(f"{key}: is {value!r}; use a positive integer")
         setattr(native, key, value)
-    on = device or default_device()
+    on = device_of(device)
     return Study(_native.run_study(on._native, scene._native, study, native, progress), on.name)

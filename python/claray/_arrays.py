@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ._handle import warn
 from .errors import UsageError
+
+Shape = tuple[int, ...]
 
 RAY = np.dtype({"names": ["origin", "tmin", "direction", "tmax"], "formats": ["3f4", "f4", "3f4", "f4"]})
 """A ray: 32 bytes."""
@@ -19,6 +23,9 @@ NEAREST = np.dtype([("point", "3f4"), ("distance", "f4"), ("u", "f4"), ("v", "f4
 """The nearest point of a surface: 32 bytes."""
 MISS = 0xFFFFFFFF
 """The primitive of a ray that hits nothing."""
+
+_MOST_ROUNDING = 1e-5
+"""Of coordinates, relative to their extent."""
 
 NO_WORDS = np.empty(0, np.uint32)
 NO_FLOATS = np.empty(0, np.float32)
@@ -56,6 +63,29 @@ def floats(name: str, value: Any, columns: int) -> NDArray[Any]:
     return array
 
 
+def vectors(name: str, value: Any, columns: int = 3) -> tuple[NDArray[Any], Shape]:
+    """As floats, of shape (N, columns), from any shape (..., columns); and the shape without its last number."""
+    array = as_array(name, value)
+    if array.ndim > 2 and array.shape[-1] == columns:
+        return floats(name, array.reshape(-1, columns), columns), array.shape[:-1]
+    array = floats(name, array, columns)
+    return array, array.shape[:1]
+
+
+def places(name: str, value: Any) -> NDArray[np.float32]:
+    """Contiguous float32 of shape (N, 3). Warns where float32 rounds much of what the places are apart."""
+    given = floats(name, value, 3)
+    result = finite(name, given)
+    if given.dtype == np.float64 and len(given):
+        extent = float(np.ptp(given, axis=0).max())
+        if float(np.abs(result).max()) * 2.0**-24 > _MOST_ROUNDING * extent > 0:  # else no need to look at each
+            rounding = float(np.abs(given - result).max())
+            if rounding > _MOST_ROUNDING * extent:
+                warn(f"{name}: float32 rounds them by up to {rounding:.2g}, and their extent is {extent:.3g}; "
+                     "subtract an origin near them first, from rays and points, too")
+    return result
+
+
 def finite(name: str, array: NDArray[Any]) -> NDArray[np.float32]:
     """Contiguous float32. NaN, infinite and too large numbers are errors that name the row."""
     with np.errstate(over="ignore"):
@@ -66,15 +96,37 @@ def finite(name: str, array: NDArray[Any]) -> NDArray[np.float32]:
     return result
 
 
-def finite_vector(name: str, value: Any, count: int) -> NDArray[np.float32]:
-    """Contiguous float32 of shape (count,), from as many numbers or one. Numbers that are not finite are errors."""
-    array = distances(name, value, count)
+def finite_vector(name: str, value: Any, shape: int | Shape) -> NDArray[np.float32]:
+    """Contiguous float32 in a row, from an array of this shape or one number. Numbers that are not finite are errors."""
+    array = distances(name, value, shape)
     return finite(name, array[:, None])[:, 0]
 
 
+def flag(name: str, value: Any) -> bool:
+    if not isinstance(value, (int, np.integer, np.bool_)) or value not in (0, 1):
+        raise UsageError(f"{name}: is {value!r}; use True or False")  # bool("no") is True
+    return bool(value)
+
+
+def number(name: str, value: Any) -> float:
+    if isinstance(value, str) or not np.isscalar(value):
+        raise UsageError(f"{name}: is {value!r}; use a number")
+    try:
+        return float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        raise UsageError(f"{name}: is {value!r}; use a number") from None
+
+
 def check_choice(name: str, value: Any, choices: tuple[str, ...]) -> None:
-    if value not in choices:
+    if not isinstance(value, str) or value not in choices:
         raise UsageError(f"{name}: unknown name {value!r}; use one of {', '.join(choices)}")
+
+
+def builder_called(name: Any) -> str:
+    """The library checks the name itself, if it is one."""
+    if not isinstance(name, str):
+        raise UsageError(f"builder: is {name!r}; use 'automatic' or another name")
+    return name
 
 
 def indices(name: str, value: Any, columns: int, end: int, of: str) -> NDArray[np.uint32]:
@@ -91,40 +143,44 @@ def indices(name: str, value: Any, columns: int, end: int, of: str) -> NDArray[n
     return np.ascontiguousarray(array, dtype=np.uint32)
 
 
-def words(name: str, value: Any, count: int) -> NDArray[np.uint32]:
-    """Contiguous uint32 of shape (count,), or an empty array for None."""
+def _size(shape: int | Shape) -> Shape:
+    return shape if isinstance(shape, tuple) else (shape,)
+
+
+def words(name: str, value: Any, shape: int | Shape) -> NDArray[np.uint32]:
+    """Contiguous uint32 in a row, of an array of this shape; or an empty array for None."""
     if value is None:
         return NO_WORDS
     array = as_array(name, value)
     if array.dtype.kind not in "iu":
         raise UsageError(f"{name}: has dtype {array.dtype}; use an integer type")
-    if array.shape != (count,):
-        raise UsageError(f"{name}: has shape {array.shape}; it must be ({count},)")
+    if array.shape != _size(shape):
+        raise UsageError(f"{name}: has shape {array.shape}; it must be {_size(shape)}")
     if array.size and (int(array.min()) < 0 or int(array.max()) > MISS):
         raise UsageError(f"{name}: holds numbers outside 0 to 2**32 - 1")
-    return np.ascontiguousarray(array, dtype=np.uint32)
+    return np.ascontiguousarray(array.ravel(), dtype=np.uint32)
 
 
-def distances(name: str, value: Any, count: int) -> NDArray[Any]:
-    """One number, or one for each ray, as float64 of shape (count,). NaN is an error."""
+def distances(name: str, value: Any, shape: int | Shape) -> NDArray[Any]:
+    """One number, or one for each ray, as float64 in a row. NaN is an error."""
     array = as_array(name, value)
     if array.dtype.kind not in "fiu":
         raise UsageError(f"{name}: has dtype {array.dtype}; use a number or an array of numbers")
-    if array.ndim != 0 and array.shape != (count,):
-        raise UsageError(f"{name}: has shape {array.shape}; use one number, or ({count},)")
+    if array.ndim != 0 and array.shape != _size(shape):
+        raise UsageError(f"{name}: has shape {array.shape}; use one number, or {_size(shape)}")
     array = np.asarray(array, dtype=np.float64)
     if np.isnan(array).any():
         raise UsageError(f"{name}: holds NaN")
-    return np.broadcast_to(array, (count,))
+    return array.ravel() if array.ndim else np.broadcast_to(array, math.prod(_size(shape)))
 
 
-def output(name: str, out: Any, count: int, dtype: np.dtype[Any]) -> NDArray[Any]:
+def output(name: str, out: Any, shape: Shape, dtype: np.dtype[Any]) -> NDArray[Any]:
     """The caller's array for results, or a new one."""
     if out is None:
-        return np.empty(count, dtype)
-    if not isinstance(out, np.ndarray) or out.dtype != dtype or out.shape != (count,):
+        return np.empty(shape, dtype)
+    if not isinstance(out, np.ndarray) or out.dtype != dtype or out.shape != shape:
         given = f"{out.dtype} of shape {out.shape}" if isinstance(out, np.ndarray) else type(out).__name__
-        raise UsageError(f"{name}: is {given}; use an array of {count} elements with dtype {dtype}")
+        raise UsageError(f"{name}: is {given}; use an array of shape {shape} with dtype {dtype}")
     if not out.flags.c_contiguous or not out.flags.writeable:
         raise UsageError(f"{name}: must be contiguous and writeable")
     return out

@@ -3,47 +3,51 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _native
-from ._arrays import NO_WORDS, finite, floats, indices, words
-from ._device import Device, default_device
+from ._arrays import NO_WORDS, builder_called, check_choice, finite, flag, floats, indices, number, places, words
+from ._device import AnyDevice, Device, device_of
+from ._handle import Handle
 from ._scene import Scene
 from .errors import UsageError
 
-if TYPE_CHECKING:
-    from ._query import Query
 
-
-class Bvh:
+class Bvh(Handle):
     """A bounding volume hierarchy over triangles, in device memory.
 
     vertices: (V, 3) numbers, in any unit; or a Scene, whose placed meshes become the geometries, in order.
     triangles: (T, 3) indices of vertices. A front face has its vertices counter-clockwise.
     geometries: (T,) the geometry of each triangle, for hits['geometry'] and masks; None: all 0.
     masks: (G,) one for each geometry; a ray sees it if their masks share a bit; None: all see all.
-    device: a Device; None: default_device().
-    builder: "fast", "balanced", "high", "binned", or "auto" (high on GPUs, else balanced): build time
-        for the speed of queries.
+    device: a Device, "cpu", "gpu", an index of devices() or a part of a name; None: default_device().
+    builder: "automatic" (high on GPUs, else balanced), "fast", "balanced", "high" or "binned": build time for the speed
+        of queries.
     split_budget: builder "high": additional references from splitting large triangles, per triangle. Use 0 for geometry
     that will be refitted.
     layout: "automatic", "binary" or "wide".
     learns: whether queries may replace the tree by one of "high", once rays have been traced for ten times as long as its
-        build takes: see docs/queries.md. None: if builder is "auto".
+        build takes: see docs/queries.md. None: if builder is "automatic".
 
-    The arrays are copied to the device. Triangles of no area are left out: see statistics()['culled'].
+    The arrays are copied to the device as float32. A warning tells if that rounds vertices by more than 1e-5 of their extent.
+    Triangles of no area are left out: see statistics()['culled'].
     Raises UsageError, naming the argument, for wrong shapes and types, no triangles, indices out of range, and vertices
     that are not finite in float32; DeviceError if the device has too little memory.
     """
 
+    __slots__ = ("_device", "_native", "_queries")
+    _instead_of_pickling = "build it in each process, or save() it to a file and load() that"
+
     def __init__(self, vertices: ArrayLike | Scene, triangles: ArrayLike | None = None, *, geometries: ArrayLike | None = None,
-                 masks: ArrayLike | None = None, device: Device | None = None, builder: str = "high",
+                 masks: ArrayLike | None = None, device: AnyDevice = None, builder: str = "automatic",
                  split_budget: float = 0.5, layout: str = "automatic", learns: bool | None = None) -> None:
-        self._device = device or default_device()
-        options = (builder, float(split_budget), layout, 0 if learns is None else 1 if learns else -1)
+        self._device = device_of(device)
+        check_choice("layout", layout, ("automatic", "binary", "wide"))
+        options = (builder_called(builder), number("split_budget", split_budget), layout,
+                   0 if learns is None else 1 if flag("learns", learns) else -1)
         if isinstance(vertices, Scene):
             if triangles is not None or geometries is not None or masks is not None:
                 raise UsageError("triangles: a Scene has its own triangles, geometries and masks; leave them out")
@@ -53,7 +57,7 @@ class Bvh:
         else:
             if triangles is None:
                 raise UsageError("triangles: missing; give (T, 3) indices of vertices")
-            points = finite("vertices", floats("vertices", vertices, 3))
+            points = places("vertices", vertices)
             faces = indices("triangles", triangles, 3, len(points), "vertices")
             if len(faces) == 0:
                 raise UsageError("triangles: empty; a structure needs at least one triangle")
@@ -62,21 +66,21 @@ class Bvh:
             if masks is not None and int(numbers.max(initial=0)) >= len(visible):
                 raise UsageError(f"masks: has {len(visible)} rows, but geometries holds {int(numbers.max(initial=0))}")
             self._native = _native.NativeBvh.build(self._device._native, points, faces, numbers, visible, *options)
-        self._queries: dict[Any, Query] = {}
+        self._queries: dict[Any, Any] = {}
 
     @classmethod
     def _of_mesh(cls, scene: Scene, mesh: int, device: Device, builder: str) -> Bvh:
         bvh = cls.__new__(cls)
         bvh._device = device
-        bvh._native = _native.NativeBvh.build_of_mesh(device._native, scene._native, mesh, builder)
+        bvh._native = _native.NativeBvh.build_of_mesh(device._native, scene._native, mesh, builder_called(builder))
         bvh._queries = {}
         return bvh
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str], device: Device | None = None) -> Bvh:
-        """Loads a structure that save() wrote. Raises InputError, naming the file, if it is missing or damaged."""
+    def load(cls, path: str | os.PathLike[str], device: AnyDevice = None) -> Bvh:
+        """Loads a structure that save() wrote, to a device as of Bvh. Raises InputError, naming the file, if it is missing or damaged."""
         bvh = cls.__new__(cls)
-        bvh._device = device or default_device()
+        bvh._device = device_of(device)
         bvh._native = _native.NativeBvh.load(bvh._device._native, os.fspath(path))
         bvh._queries = {}
         return bvh
@@ -100,6 +104,12 @@ class Bvh:
     def statistics(self) -> dict[str, Any]:
         """Counts of triangles, culled triangles and additional references, height, SAH cost, bytes on the device."""
         return self._native.statistics()
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether the triangles close: every edge belongs to an even number of them. Edges are the same if the coordinates
+        of their ends are. An open surface has no inside. Computed once, and after refit and rebuild again."""
+        return self._native.is_closed()
 
     def is_valid(self) -> bool:
         """Checks every leaf, box and link of the tree on the device."""

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import atexit
-from typing import Any, Iterable
+import operator
+from typing import Any, Iterable, Union
 
 from . import _native
 from ._arrays import pointer
+from ._handle import Handle
+from .errors import UsageError
 
 
 def devices() -> list[dict[str, Any]]:
@@ -14,7 +17,7 @@ def devices() -> list[dict[str, Any]]:
     return _native.list_devices()
 
 
-class Device:
+class Device(Handle):
     """An OpenCL device with an in-order queue.
 
     selector: "cpu", "gpu", an index of devices(), or a part of the name. Empty: $CLARAY_DEVICE, else the first GPU, else
@@ -23,8 +26,11 @@ class Device:
     Several threads may use one device; their calls then run one after another.
     """
 
+    __slots__ = ("_native",)
+    _instead_of_pickling = "pass its index or name, and open it in each process"
+
     def __init__(self, selector: str | int = "") -> None:
-        self._native = _native.NativeDevice.open(str(selector))
+        self._native = _native.NativeDevice.open(_selector("selector", selector))
 
     @classmethod
     def adopt(cls, context: Any, queue: Any) -> Device:
@@ -73,13 +79,16 @@ class Device:
         return f"claray.Device({self.name!r}, {self.type!r})"
 
 
-class Event:
+class Event(Handle):
     """The end of enqueued commands."""
+
+    __slots__ = ("_native", "_alive")
+    _instead_of_pickling = "wait for it in this process"
 
     def __init__(self, event: Any) -> None:
         """event: an event of pyopencl, or its int_ptr. It is retained."""
         self._native = _native.NativeEvent.adopt(pointer("event", event))
-        self._alive: tuple[Any, ...] = ()
+        self._alive = ()
 
     @classmethod
     def _of(cls, native: Any, alive: tuple[Any, ...] = ()) -> Event:
@@ -101,25 +110,51 @@ class Event:
         self._native.wait()
         self._alive = ()
 
+    def __repr__(self) -> str:
+        return f"<claray.Event: {'done' if self.done else 'pending'}>"
+
 
 def native_events(events: Iterable[Any]) -> list[Any]:
     return [e._native if isinstance(e, Event) else _native.NativeEvent.adopt(pointer("wait_for", e)) for e in events]
 
 
-_default: Device | None = None
+AnyDevice = Union[Device, str, int, None]
+"""Where a device is asked for: a Device; "cpu", "gpu", an index of devices() or a part of a name; None: default_device()."""
+
+_opened: dict[str, Device] = {}
+
+
+def _selector(name: str, value: Any) -> str:
+    if isinstance(value, str):
+        return value
+    try:
+        if not isinstance(value, bool) and operator.index(value) >= 0:
+            return str(operator.index(value))
+    except TypeError:
+        pass
+    raise UsageError(f"{name}: is {value!r}; use a claray.Device, 'cpu', 'gpu', an index of claray.devices() or a part of a name")
+
+
+def device_of(device: AnyDevice) -> Device:
+    """The device. What is not a Device is opened once, so that structures share its memory."""
+    if isinstance(device, Device):
+        return device
+    selector = "" if device is None else _selector("device", device)
+    if selector not in _opened:
+        made = Device(selector)
+        _opened[selector] = next((one for one in _opened.values() if one.info["index"] == made.info["index"]), made)
+    return _opened[selector]
 
 
 def default_device() -> Device:
     """The device that is used where none is given: Device(), opened at the first call."""
-    global _default
-    if _default is None:
-        _default = Device()
-    return _default
+    return device_of(None)
 
 
 @atexit.register
 def _close() -> None:
-    global _default  # drivers must not be used while the process ends
-    if _default is not None:
-        _default.finish()
-    _default = None
+    """Drivers must not be used while the process ends."""
+    if not _native.is_forked():
+        for device in set(_opened.values()):
+            device.finish()
+    _opened.clear()

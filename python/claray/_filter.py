@@ -7,12 +7,13 @@ from numpy.typing import ArrayLike
 
 from . import _native
 from ._arrays import as_array
+from ._handle import Handle
 from .errors import UsageError
 
 NO_FILTER = _native.NativeFilter()
 
 
-class Filter:
+class Filter(Handle):
     """Decides which hits count, by OpenCL C that defines
 
         static inline bool accept_hit(global const float* data, float3 origin, float3 direction, const Hit* hit);
@@ -24,14 +25,21 @@ class Filter:
     A text that does not compile raises DeviceError, with the compiler's log, at the first query.
     """
 
+    __slots__ = ("_name", "_native")
+    _instead_of_pickling = "make it in each process, by its text"
+
     def __init__(self, source: str, data: ArrayLike = (), name: str = "filter") -> None:
         if not isinstance(source, str) or not source.strip():
             raise UsageError("source: must be a text that defines accept_hit")
         numbers = as_array("data", data)
         if numbers.dtype.kind not in "fiu" or numbers.ndim != 1:
             raise UsageError(f"data: has dtype {numbers.dtype} and shape {numbers.shape}; use numbers of shape (n,)")
-        self.name = str(name)
-        self._native = _native.NativeFilter(self.name, source, np.ascontiguousarray(numbers, np.float32))
+        self._name = str(name)
+        self._native = _native.NativeFilter(self._name, source, np.ascontiguousarray(numbers, np.float32))
+
+    @property
+    def name(self) -> str:
+        return self._name
 
     def __repr__(self) -> str:
         return f"<claray.Filter {self.name!r}>"

@@ -16,6 +16,8 @@ from . import _native
 class Image(np.ndarray):
     """Linear radiance, float32 of shape (height, width, 3), rows from the top: an array that notebooks show."""
 
+    __slots__ = ("exposure", "tone_map")
+
     def __array_finalize__(self, source: Any) -> None:
         self.exposure = getattr(source, "exposure", 0.0)
         self.tone_map = getattr(source, "tone_map", "aces")

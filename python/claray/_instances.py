@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Sequence
+from typing import Any, Iterable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import as_array, finite, words
+from ._arrays import as_array, builder_called, finite, words
 from ._bvh import Bvh
-from ._device import Device, default_device
+from ._device import AnyDevice, Device, device_of
+from ._handle import Handle
 from ._scene import Scene
 from .errors import UsageError
-
-if TYPE_CHECKING:
-    from ._query import Query
 
 
 def rows_of(name: str, value: Any) -> NDArray[np.float32]:
@@ -31,7 +29,7 @@ def rows_of(name: str, value: Any) -> NDArray[np.float32]:
     return finite(name, rows).reshape(-1, 3, 4)
 
 
-class InstancedBvh:
+class InstancedBvh(Handle):
     """A structure of two levels: instances place whole structures. Queries take it as a Bvh; see closest_hit.
 
     bvhs: a Bvh or a sequence of them, of one device and layout; they are shared or copied on the device.
@@ -45,9 +43,12 @@ class InstancedBvh:
     argument, for wrong shapes, types and values.
     """
 
+    __slots__ = ("_count", "_device", "_native", "_queries")
+    _instead_of_pickling = "build it in each process"
+
     def __init__(self, bvhs: Bvh | Sequence[Bvh], transforms: ArrayLike, *, bottoms: ArrayLike | None = None,
                  masks: ArrayLike | None = None, ends: ArrayLike | None = None, builder: str = "fast") -> None:
-        structures = [bvhs] if isinstance(bvhs, Bvh) else list(bvhs)
+        structures = [bvhs] if isinstance(bvhs, Bvh) else list(bvhs) if isinstance(bvhs, Iterable) else []
         if not structures or not all(isinstance(bvh, Bvh) for bvh in structures):
             raise UsageError("bvhs: use a claray.Bvh, or a sequence of at least one")
         begin = rows_of("transforms", transforms)
@@ -59,23 +60,24 @@ class InstancedBvh:
         end = begin[:0] if ends is None else self._ends(ends, len(begin))
         self._device = structures[0].device
         self._native = _native.NativeInstancedBvh.build(self._device._native, [bvh._native for bvh in structures], begin, end,
-                                                        which, words("masks", masks, len(begin)), builder)
+                                                        which, words("masks", masks, len(begin)), builder_called(builder))
         self._count = len(begin)
-        self._queries: dict[Any, Query] = {}
+        self._queries: dict[Any, Any] = {}
 
     @classmethod
-    def of_scene(cls, scene: Scene, *, device: Device | None = None, builder: str = "high") -> InstancedBvh:
+    def of_scene(cls, scene: Scene, *, device: AnyDevice = None, builder: str = "automatic") -> InstancedBvh:
         """The meshes of a scene, each built once, where the scene places them.
 
         hits['instance'] is the number of the instance, hits['primitive'] the triangle of its mesh; scene.instances tells
-        which mesh that is. builder: of the meshes' structures. If instances move (scene.instances has 'ends'), rays have
+        which mesh that is. device, builder: of the meshes' structures. If instances move (scene.instances has 'ends'), rays have
         times. Raises UsageError for a scene without triangles.
         """
         if scene.triangle_count == 0:
             raise UsageError("scene: has no triangles")
         placed = scene.instances
+        on = device_of(device)
         used, which = np.unique(placed["meshes"], return_inverse=True)
-        bvhs = [Bvh._of_mesh(scene, int(mesh), device or default_device(), builder) for mesh in used]
+        bvhs = [Bvh._of_mesh(scene, int(mesh), on, builder) for mesh in used]
         return cls(bvhs, placed["transforms"], bottoms=which, ends=placed["ends"])
 
     @staticmethod

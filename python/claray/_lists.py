@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import HIT, MISS, finite, finite_vector, floats, words
+from ._arrays import HIT, MISS, finite, finite_vector, flag, vectors, words
 from ._bvh import Bvh, check_bvh
 from ._filter import Filter
 from ._query import native_filter, packed_rays
@@ -17,6 +17,8 @@ from .errors import UsageError
 
 class Lists:
     """A list of results for each query: lists[i], in a row in `elements`, from offsets[i] to offsets[i + 1]."""
+
+    __slots__ = ("offsets", "elements")
 
     def __init__(self, offsets: NDArray[np.uint32], elements: NDArray[Any]) -> None:
         self.offsets, self.elements = offsets, elements
@@ -46,59 +48,61 @@ class Lists:
 
 
 def count_hits(bvh: Bvh, origins: ArrayLike, directions: ArrayLike | None = None, *, tmin: ArrayLike = 0.0,
-               tmax: ArrayLike = np.inf, masks: ArrayLike | None = None, cull_back_faces: bool = False,
+               tmax: ArrayLike = np.inf, masks: ArrayLike | None = None, cull_back_faces: bool = False, closed: bool = False,
                filter: Filter | None = None, nan: Literal["raise", "miss"] = "raise") -> NDArray[np.uint32]:
     """Counts the triangles that each ray hits, as N uint32. A ray through an edge counts once.
 
-    Arguments and errors are those of closest_hit.
+    closed: all triangles count that the ray touches, so that one through an edge counts twice, and one through a vertex
+    as often as there are triangles. Other arguments and errors are those of closest_hit.
     """
     check_bvh(bvh)
-    rays = packed_rays(origins, directions, tmin, tmax, nan)
+    rays, shape = packed_rays(origins, directions, tmin, tmax, nan)
     results = np.zeros(len(rays), np.uint32)
-    visible, accepted = words("masks", masks, len(rays)), native_filter(filter)
+    visible, accepted = words("masks", masks, shape), native_filter(filter)
     if len(rays):
-        _native.count_hits(bvh._native, rays, bool(cull_back_faces), visible, accepted, results)
-    return results
+        _native.count_hits(bvh._native, rays, flag("cull_back_faces", cull_back_faces), flag("closed", closed), visible, accepted, results)
+    return results.reshape(shape)
 
 
 def nearest_hits(bvh: Bvh, origins: ArrayLike, directions: ArrayLike | None = None, *, most: int, tmin: ArrayLike = 0.0,
-                 tmax: ArrayLike = np.inf, masks: ArrayLike | None = None, cull_back_faces: bool = False,
+                 tmax: ArrayLike = np.inf, masks: ArrayLike | None = None, cull_back_faces: bool = False, closed: bool = False,
                  filter: Filter | None = None, nan: Literal["raise", "miss"] = "raise") -> NDArray[Any]:
     """Finds the `most` nearest hits of each ray, in order of distance, at equal distances of triangles.
 
     Returns hits of dtype HIT and shape (N, most). Behind the last hit of a ray, 'primitive' is MISS and 't' is tmax. Takes
-    20 bytes for each of N * most hits; all_hits takes only as much as there are hits. Other arguments and errors are
-    those of closest_hit.
+    20 bytes for each of N * most hits; all_hits takes only as much as there are hits. closed: as of count_hits. Other
+    arguments and errors are those of closest_hit.
     """
     check_bvh(bvh)
     if not isinstance(most, (int, np.integer)) or isinstance(most, bool) or not 0 < most < 2**32:
         raise UsageError(f"most: is {most!r}; use a positive integer")
-    rays = packed_rays(origins, directions, tmin, tmax, nan)
+    rays, shape = packed_rays(origins, directions, tmin, tmax, nan)
     hits, counts = np.empty((len(rays), most), HIT), np.zeros(len(rays), np.uint32)
-    visible, accepted = words("masks", masks, len(rays)), native_filter(filter)
+    visible, accepted = words("masks", masks, shape), native_filter(filter)
     if len(rays):
         as_bytes = hits.view(np.uint8).reshape(len(rays), most, HIT.itemsize)
-        _native.nearest_hits(bvh._native, rays, int(most), bool(cull_back_faces), visible, accepted, as_bytes, counts)
+        _native.nearest_hits(bvh._native, rays, int(most), flag("cull_back_faces", cull_back_faces), flag("closed", closed), visible, accepted, as_bytes, counts)
     none = np.arange(most) >= counts[:, None]
     hits[none] = np.array((0, 0, 0, MISS, MISS), HIT)
     hits["t"][none] = np.broadcast_to(rays[:, 7:8], none.shape)[none]
-    return hits
+    return hits.reshape(*shape, most)
 
 
 def all_hits(bvh: Bvh, origins: ArrayLike, directions: ArrayLike | None = None, *, tmin: ArrayLike = 0.0,
-             tmax: ArrayLike = np.inf, masks: ArrayLike | None = None, cull_back_faces: bool = False,
+             tmax: ArrayLike = np.inf, masks: ArrayLike | None = None, cull_back_faces: bool = False, closed: bool = False,
              filter: Filter | None = None, nan: Literal["raise", "miss"] = "raise") -> Lists:
     """Finds all hits of each ray, in order of distance, at equal distances of triangles.
 
-    Returns Lists of hits of dtype HIT: hits[i] are those of ray i. Arguments and errors are those of closest_hit, and
-    UsageError for more than 4e9 hits.
+    Returns Lists of hits of dtype HIT: hits[i] are those of ray i, in the order of rows if rays have a shape such as
+    (H, W, 3). closed: as of count_hits. Other arguments and errors are those of closest_hit, and UsageError for more than
+    4e9 hits.
     """
     check_bvh(bvh)
-    rays = packed_rays(origins, directions, tmin, tmax, nan)
-    visible, accepted = words("masks", masks, len(rays)), native_filter(filter)
+    rays, shape = packed_rays(origins, directions, tmin, tmax, nan)
+    visible, accepted = words("masks", masks, shape), native_filter(filter)
     if len(rays) == 0:
         return Lists(np.zeros(1, np.uint32), np.empty(0, HIT))
-    offsets, elements = _native.all_hits(bvh._native, rays, bool(cull_back_faces), visible, accepted)
+    offsets, elements = _native.all_hits(bvh._native, rays, flag("cull_back_faces", cull_back_faces), flag("closed", closed), visible, accepted)
     return Lists(offsets, elements.view(HIT).reshape(-1))
 
 
@@ -110,7 +114,7 @@ def box_overlaps(bvh: Bvh, lows: ArrayLike, highs: ArrayLike) -> Lists:
     numbers that are not finite.
     """
     check_bvh(bvh)
-    low, high = finite("lows", floats("lows", lows, 3)), finite("highs", floats("highs", highs, 3))
+    low, high = finite("lows", vectors("lows", lows)[0]), finite("highs", vectors("highs", highs)[0])
     if len(low) != len(high):
         raise UsageError(f"highs: has {len(high)} rows, but lows has {len(low)}")
     return _overlaps(_native.box_overlaps, bvh, np.hstack([low, high]))
@@ -122,8 +126,9 @@ def sphere_overlaps(bvh: Bvh, centers: ArrayLike, radii: ArrayLike) -> Lists:
     centers: (N, 3). radii: (N,), or one number; spheres of negative radius overlap nothing. As box_overlaps otherwise.
     """
     check_bvh(bvh)
-    places = finite("centers", floats("centers", centers, 3))
-    return _overlaps(_native.sphere_overlaps, bvh, np.column_stack([places, finite_vector("radii", radii, len(places))]))
+    given, shape = vectors("centers", centers)
+    places = finite("centers", given)
+    return _overlaps(_native.sphere_overlaps, bvh, np.column_stack([places, finite_vector("radii", radii, shape)]))
 
 
 def _overlaps(query: Any, bvh: Bvh, shapes: NDArray[np.float32]) -> Lists:

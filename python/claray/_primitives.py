@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, Literal
+from typing import Any, Callable, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import as_array, check_choice, finite, finite_vector, floats, indices
-from ._device import Device, default_device
+from ._arrays import as_array, builder_called, check_choice, finite, finite_vector, flag, floats, indices, places
+from ._device import AnyDevice, Device, device_of
+from ._handle import Handle
 from .errors import UsageError
-
-if TYPE_CHECKING:
-    from ._query import Query
 
 
 def _radii(name: str, value: Any, count: int) -> NDArray[np.float32]:
@@ -24,50 +22,50 @@ def _radii(name: str, value: Any, count: int) -> NDArray[np.float32]:
 
 
 def _places(name: str, value: Any, count: int | None = None) -> NDArray[np.float32]:
-    places = finite(name, floats(name, value, 3))
-    if len(places) == 0:
+    rows = places(name, value)
+    if len(rows) == 0:
         raise UsageError(f"{name}: empty; a structure needs at least one primitive")
-    if count is not None and len(places) != count:
-        raise UsageError(f"{name}: has {len(places)} rows; it must have {count}")
-    return places
+    if count is not None and len(rows) != count:
+        raise UsageError(f"{name}: has {len(rows)} rows; it must have {count}")
+    return rows
 
 
 def sphere_rows(centers: ArrayLike, radii: ArrayLike) -> NDArray[np.float32]:
     """(N, 4): centre and radius."""
-    places = _places("centers", centers)
-    return np.column_stack([places, _radii("radii", radii, len(places))])
+    rows = _places("centers", centers)
+    return np.column_stack([rows, _radii("radii", radii, len(rows))])
 
 
 def disc_rows(centers: ArrayLike, normals: ArrayLike, radii: ArrayLike, holes: ArrayLike = 0.0) -> NDArray[np.float32]:
     """(N, 8): centre and radius, normal and radius of the hole."""
-    places = _places("centers", centers)
-    count = len(places)
-    return np.column_stack([places, _radii("radii", radii, count), _places("normals", normals, count), _radii("holes", holes, count)])
+    rows = _places("centers", centers)
+    count = len(rows)
+    return np.column_stack([rows, _radii("radii", radii, count), _places("normals", normals, count), _radii("holes", holes, count)])
 
 
 def cylinder_rows(starts: ArrayLike, ends: ArrayLike, radii: ArrayLike, capped: bool) -> NDArray[np.float32]:
     """(N, 8): start and radius, end and whether discs close the ends."""
-    places = _places("starts", starts)
-    count = len(places)
-    return np.column_stack([places, _radii("radii", radii, count), _places("ends", ends, count), np.full(count, bool(capped), np.float32)])
+    rows = _places("starts", starts)
+    count = len(rows)
+    return np.column_stack([rows, _radii("radii", radii, count), _places("ends", ends, count), np.full(count, flag("capped", capped), np.float32)])
 
 
 def curve_arrays(points: ArrayLike, radii: ArrayLike, segments: ArrayLike | None, basis: str) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
     """(P, 4): place and radius of each control point; and the first control point of each segment."""
     check_choice("basis", basis, ("bspline", "bezier"))
-    places = as_array("points", points)
+    controls = as_array("points", points)
     if segments is None:
-        first = _segments_of_curves(places, 1 if basis == "bspline" else 3)
+        first = _segments_of_curves(controls, 1 if basis == "bspline" else 3)
     else:
         rows = as_array("segments", segments)
-        first = indices("segments", rows[:, None] if rows.ndim == 1 else rows, 1, max(0, len(places) - 3),
-                        f"points, of which a segment needs four in a row, {len(places)} rows and")[:, 0]
+        first = indices("segments", rows[:, None] if rows.ndim == 1 else rows, 1, max(0, len(controls) - 3),
+                        f"points, of which a segment needs four in a row, {len(controls)} rows and")[:, 0]
     if len(first) == 0:
         raise UsageError("segments: empty; at least one segment is needed")
     return _control_points(points, radii), first
 
 
-class Primitives:
+class Primitives(Handle):
     """A structure over primitives of one kind. Queries take it as a Bvh: hits['primitive'] is the index of the primitive.
 
     source: OpenCL C that defines the box and the hits of a primitive:
@@ -78,19 +76,22 @@ class Primitives:
 
     docs/queries.md has an example; kernels/primitives/primitive.clh describes both and has helpers.
     data: (N, K) numbers, K for each primitive: `data` of the functions begins with those of primitive 0. Not finite
-    numbers are errors. name: for messages of the compiler. device: a Device; None: default_device(). builder: as of Bvh.
+    numbers are errors. name: for messages of the compiler. device, builder: as of Bvh.
 
     Primitives whose box is not finite are left out: see `culled`. A text that does not compile raises DeviceError. The
     path tracer renders those of a Scene (Scene.add_spheres and others).
     """
 
-    def __init__(self, source: str, data: ArrayLike, *, name: str = "primitives", device: Device | None = None,
+    __slots__ = ("_device", "_native", "_pack", "_queries")
+    _instead_of_pickling = "build it in each process"
+
+    def __init__(self, source: str, data: ArrayLike, *, name: str = "primitives", device: AnyDevice = None,
                  builder: str = "balanced") -> None:
         if not isinstance(source, str) or not source.strip():
             raise UsageError("source: must be a text that defines bounds_of and intersect")
         numbers = self._rows(data)
-        on = device or default_device()
-        self._hold(on, _native.NativePrimitives.build_text(on._native, str(name), source, numbers.ravel(), len(numbers), builder),
+        on = device_of(device)
+        self._hold(on, _native.NativePrimitives.build_text(on._native, str(name), source, numbers.ravel(), len(numbers), builder_called(builder)),
                    self._rows)
 
     @staticmethod
@@ -102,25 +103,25 @@ class Primitives:
 
     def _hold(self, device: Device, native: Any, pack: Callable[..., NDArray[np.float32]]) -> None:
         self._device, self._native, self._pack = device, native, pack
-        self._queries: dict[Any, Query] = {}
+        self._queries: dict[Any, Any] = {}
 
     @classmethod
-    def _built_in(cls, kind: str, device: Device | None, builder: str, pack: Callable[..., NDArray[np.float32]],
+    def _built_in(cls, kind: str, device: AnyDevice, builder: str, pack: Callable[..., NDArray[np.float32]],
                   *arrays: ArrayLike) -> Primitives:
         made = cls.__new__(cls)
         numbers = pack(*arrays)
-        on = device or default_device()
-        made._hold(on, _native.NativePrimitives.build(on._native, kind, numbers.ravel(), len(numbers), builder), pack)
+        on = device_of(device)
+        made._hold(on, _native.NativePrimitives.build(on._native, kind, numbers.ravel(), len(numbers), builder_called(builder)), pack)
         return made
 
     @classmethod
-    def spheres(cls, centers: ArrayLike, radii: ArrayLike, *, device: Device | None = None, builder: str = "balanced") -> Primitives:
+    def spheres(cls, centers: ArrayLike, radii: ArrayLike, *, device: AnyDevice = None, builder: str = "balanced") -> Primitives:
         """Spheres. centers: (N, 3). radii: (N,), or one number. Hits are solved in float64."""
 
         return cls._built_in("spheres", device, builder, sphere_rows, centers, radii)
 
     @classmethod
-    def discs(cls, centers: ArrayLike, normals: ArrayLike, radii: ArrayLike, holes: ArrayLike = 0.0, *, device: Device | None = None,
+    def discs(cls, centers: ArrayLike, normals: ArrayLike, radii: ArrayLike, holes: ArrayLike = 0.0, *, device: AnyDevice = None,
               builder: str = "balanced") -> Primitives:
         """Discs. centers, normals: (N, 3), normals of any length. radii, holes: (N,), or one number: outer and inner
         radius. hits['u'] is the distance from the centre. A ray in the disc's plane misses it."""
@@ -128,7 +129,7 @@ class Primitives:
         return cls._built_in("discs", device, builder, disc_rows, centers, normals, radii, holes)
 
     @classmethod
-    def cylinders(cls, starts: ArrayLike, ends: ArrayLike, radii: ArrayLike, *, capped: bool = True, device: Device | None = None,
+    def cylinders(cls, starts: ArrayLike, ends: ArrayLike, radii: ArrayLike, *, capped: bool = True, device: AnyDevice = None,
                   builder: str = "balanced") -> Primitives:
         """Cylinders. starts, ends: (N, 3) of their axes. radii: (N,), or one number. capped: whether discs close their
         ends. hits['u'] is the place along the axis, 0 to 1."""
@@ -141,7 +142,7 @@ class Primitives:
     @classmethod
     def curves(cls, points: ArrayLike, radii: ArrayLike, segments: ArrayLike | None = None, *,
                basis: Literal["bspline", "bezier"] = "bspline", shape: Literal["round", "flat"] = "round",
-               device: Device | None = None, builder: str = "binned") -> Primitives:
+               device: AnyDevice = None, builder: str = "binned") -> Primitives:
         """Cubic curves: hair, grass, wires. The primitives are their segments, of four control points each.
 
         points: (P, 3) control points, and segments: (S,) the index of the first control point of each segment; or, without
@@ -204,7 +205,7 @@ def _segments_of_curves(points: NDArray[Any], step: int) -> NDArray[np.uint32]:
 
 def _control_points(points: ArrayLike, radii: ArrayLike) -> NDArray[np.float32]:
     """(P, 4): place and radius."""
-    places = as_array("points", points)
-    places = _places("points", places.reshape(-1, 3) if places.ndim == 3 else places)
+    controls = as_array("points", points)
+    controls = _places("points", controls.reshape(-1, 3) if controls.ndim == 3 else controls)
     widths = as_array("radii", radii)
-    return np.column_stack([places, _radii("radii", widths if widths.ndim == 0 else widths.ravel(), len(places))])
+    return np.column_stack([controls, _radii("radii", widths if widths.ndim == 0 else widths.ravel(), len(controls))])

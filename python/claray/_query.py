@@ -8,10 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import HIT, INSTANCE_HIT, NO_FLOATS, RAY, as_array, check_choice, distances, floats, output, pointer, words
+from ._arrays import (HIT, INSTANCE_HIT, NO_FLOATS, RAY, Shape, as_array, check_choice, distances, flag, output, pointer,
+                      vectors, words)
 from ._bvh import Bvh
 from ._device import Device, Event, native_events
 from ._filter import NO_FILTER, Filter
+from ._handle import Handle
 from ._instances import InstancedBvh
 from ._primitives import Primitives
 from .errors import UsageError
@@ -21,7 +23,7 @@ Structure = Union[Bvh, InstancedBvh, Primitives]
 _COHERENCE = {"automatic": 0, "coherent": 1, "incoherent": 2}
 
 
-class Query:
+class Query(Handle):
     """A query that is made once, which loads its kernels, and run often.
 
     bvh: a Bvh, InstancedBvh or Primitives. kind: "closest" or "any".
@@ -36,18 +38,24 @@ class Query:
     and any_hit, without the structure: query(origins, directions).
     """
 
+    __slots__ = ("_dtype", "_moves", "_native", "_of")
+    _instead_of_pickling = "make it in each process"
+
     def __init__(self, bvh: Structure, kind: Literal["closest", "any"] = "closest", *, cull_back_faces: bool = False,
                  closed: bool = False, coherence: Coherence = "automatic", brute_force: bool = False,
                  filter: Filter | None = None, queue: Device | None = None) -> None:
         _check_structure(bvh)
-        _refuse_for(bvh, {"cull_back_faces": cull_back_faces, "closed": closed, "filter": filter, "queue": queue})
+        self._of, self._moves = type(bvh), isinstance(bvh, InstancedBvh) and bvh.moves  # not bvh, which keeps queries
+        self._refuse({"cull_back_faces": cull_back_faces, "closed": closed, "filter": filter, "queue": queue})
+        if queue is not None and not isinstance(queue, Device):
+            raise UsageError(f"queue: is {queue!r}; use a device made by bvh.device.with_new_queue()")
         check_choice("kind", kind, ("closest", "any"))
         check_choice("coherence", coherence, tuple(_COHERENCE))
-        self._bvh = bvh
         self._dtype = np.dtype(bool) if kind == "any" else INSTANCE_HIT if isinstance(bvh, InstancedBvh) else HIT
         native_queue = (queue or bvh.device)._native
-        self._native = _native.NativeQuery.make(bvh._native, native_queue, kind == "any", bool(cull_back_faces),
-                                                bool(closed), bool(brute_force), _COHERENCE[coherence], native_filter(filter))
+        self._native = _native.NativeQuery.make(
+            bvh._native, native_queue, kind == "any", flag("cull_back_faces", cull_back_faces), flag("closed", closed),
+            flag("brute_force", brute_force), _COHERENCE[coherence], native_filter(filter))
 
     def __call__(self, origins: ArrayLike, directions: ArrayLike | None = None, *, tmin: ArrayLike = 0.0,
                  tmax: ArrayLike = np.inf, masks: ArrayLike | None = None, times: ArrayLike | None = None,
@@ -56,35 +64,41 @@ class Query:
         check_choice("nan", nan, ("raise", "miss"))
         if directions is None:
             return self._trace_packed(origins, masks, times, nan, out)
-        starts, towards = _pair(origins, directions)
-        count = len(towards)
-        low, high = _ends(tmin, tmax, count)
-        per_ray = self._per_ray(masks, times, count)
-        results = output("out", out, count, self._dtype)
-        if count == 0:
-            return results
-        _refuse_bad(self._native.run_columns(starts, towards, low, high, *per_ray, _bytes(results)), starts, nan)
+        starts, towards, shape = _pair("origins", origins, "directions", directions)
+        low, high = _ends(tmin, tmax, shape)
+        per_ray = self._per_ray(masks, times, shape)
+        results = output("out", out, shape, self._dtype)
+        if results.size:
+            _refuse_bad(self._native.run_columns(starts, towards, low, high, *per_ray, _bytes(results)), starts, nan)
         return results
 
-    def _per_ray(self, masks: ArrayLike | None, times: ArrayLike | None, count: int) -> tuple[NDArray[Any], NDArray[Any]]:
-        _refuse_for(self._bvh, {"masks": masks, "times": times})
+    def _per_ray(self, masks: ArrayLike | None, times: ArrayLike | None, shape: Shape) -> tuple[NDArray[Any], NDArray[Any]]:
+        self._refuse({"masks": masks, "times": times})
         if times is None:
-            return words("masks", masks, count), NO_FLOATS
-        at = distances("times", times, count)
-        if count and not (0 <= at.min() and at.max() <= 1):
+            return words("masks", masks, shape), NO_FLOATS
+        at = distances("times", times, shape)
+        if at.size and not (0 <= at.min() and at.max() <= 1):
             raise UsageError("times: holds numbers outside 0 to 1")
-        return words("masks", masks, count), np.ascontiguousarray(at, np.float32)
+        return words("masks", masks, shape), np.ascontiguousarray(at, np.float32)
+
+    def _refuse(self, options: dict[str, Any]) -> None:
+        """Refuses options that queries of this structure do not have."""
+        for name, value in options.items():
+            if value is None or value is False:
+                continue
+            if name == "times" and not self._moves:
+                raise UsageError("times: the structure does not move; give `ends` to a claray.InstancedBvh")
+            if issubclass(self._of, Primitives) or issubclass(self._of, InstancedBvh) and name == "filter":
+                raise UsageError(f"{name}: not for queries of {self._of.__name__}; use a claray.Bvh")
 
     def _trace_packed(self, rays: ArrayLike, masks: ArrayLike | None, times: ArrayLike | None, nan: str,
                       out: NDArray[Any] | None) -> NDArray[Any]:
         check = nan == "raise" and not getattr(rays, "_checked", False)
-        packed = _packed(rays)
-        count = len(packed)
-        per_ray = self._per_ray(masks, times, count)
-        results = output("out", out, count, self._dtype)
-        if count == 0:
-            return results
-        _refuse_bad_packed(self._native.run_packed(packed, *per_ray, _bytes(results), check))
+        packed, shape = _packed(rays)
+        per_ray = self._per_ray(masks, times, shape)
+        results = output("out", out, shape, self._dtype)
+        if results.size:
+            _refuse_bad_packed(self._native.run_packed(packed, *per_ray, _bytes(results), check))
         return results
 
     def run(self, rays: Any, results: Any, count: int, wait_for: Iterable[Any] = ()) -> Event:
@@ -102,21 +116,14 @@ class Query:
         native = self._native.run_buffers(pointer("rays", rays), pointer("results", results), int(count), events)
         return Event._of(native, (rays, results))
 
+    def __repr__(self) -> str:
+        kind = "any" if self._dtype == bool else "closest"
+        return f"<claray.Query of the {kind} hit in a {self._of.__name__} on {self._native.device().info()['name']}>"
+
 
 def _check_structure(bvh: Any) -> None:
     if not isinstance(bvh, (Bvh, InstancedBvh, Primitives)):
         raise UsageError(f"bvh: is a {type(bvh).__name__}; use a claray.Bvh, InstancedBvh or Primitives")
-
-
-def _refuse_for(bvh: Structure, options: dict[str, Any]) -> None:
-    """Refuses options that queries of this structure do not have."""
-    for name, value in options.items():
-        if value is None or value is False:
-            continue
-        if name == "times" and not (isinstance(bvh, InstancedBvh) and bvh.moves):
-            raise UsageError("times: the structure does not move; give `ends` to a claray.InstancedBvh")
-        if isinstance(bvh, Primitives) and name != "times" or isinstance(bvh, InstancedBvh) and name == "filter":
-            raise UsageError(f"{name}: not for queries of {type(bvh).__name__}; use a claray.Bvh")
 
 
 def native_filter(filter: Filter | None) -> Any:
@@ -126,12 +133,12 @@ def native_filter(filter: Filter | None) -> Any:
 
 
 def _bytes(results: NDArray[Any]) -> NDArray[np.uint8]:
-    return results.view(np.uint8).reshape(len(results), results.dtype.itemsize)
+    return results.reshape(-1).view(np.uint8).reshape(results.size, results.dtype.itemsize)
 
 
-def _ends(tmin: ArrayLike, tmax: ArrayLike, count: int) -> tuple[NDArray[Any], NDArray[Any]]:
-    low, high = distances("tmin", tmin, count), distances("tmax", tmax, count)
-    if count and low.min() < 0:
+def _ends(tmin: ArrayLike, tmax: ArrayLike, shape: Shape) -> tuple[NDArray[Any], NDArray[Any]]:
+    low, high = distances("tmin", tmin, shape), distances("tmax", tmax, shape)
+    if low.size and low.min() < 0:
         raise UsageError("tmin: holds a negative number")
     return low, high
 
@@ -149,29 +156,35 @@ def _refuse_bad_packed(row: int) -> None:
         raise UsageError(f"rays: the origin or direction of row {row} is not finite; remove it, or pass nan='miss'")
 
 
-def _pair(origins: ArrayLike, directions: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Origins and directions of shape (N, 3); one of them may be a single vector for all rays."""
-    starts, towards = as_array("origins", origins), as_array("directions", directions)
-    one_start, one_direction = starts.ndim == 1, towards.ndim == 1
-    starts = floats("origins", starts[None] if one_start else starts, 3)
-    towards = floats("directions", towards[None] if one_direction else towards, 3)
+def _pair(start_name: str, starts: ArrayLike, end_name: str, ends: ArrayLike) -> tuple[NDArray[Any], NDArray[Any], Shape]:
+    """Two times vectors of shape (N, 3), and the shape of the results; one may be a single vector for all."""
+    given = as_array(start_name, starts), as_array(end_name, ends)
+    one_start, one_end = given[0].ndim == 1, given[1].ndim == 1
+    first, shape = vectors(start_name, given[0][None] if one_start else given[0])
+    second, end_shape = vectors(end_name, given[1][None] if one_end else given[1])
     if one_start:
-        starts = np.broadcast_to(starts, towards.shape)
-    elif one_direction:
-        towards = np.broadcast_to(towards, starts.shape)
-    if len(starts) != len(towards):
-        raise UsageError(f"directions: has {len(towards)} rows, but origins has {len(starts)}")
-    return starts, towards
+        return np.broadcast_to(first, second.shape), second, end_shape
+    if one_end:
+        return first, np.broadcast_to(second, first.shape), shape
+    if shape != end_shape:
+        raise UsageError(f"{end_name}: has {_counted(end_shape)}, but {start_name} has {_counted(shape)}")
+    return first, second, shape
 
 
-def _packed(rays: ArrayLike) -> NDArray[np.float32]:
+def _counted(shape: Shape) -> str:
+    return " x ".join(map(str, shape)) + " rows"
+
+
+def _packed(rays: ArrayLike) -> tuple[NDArray[np.float32], Shape]:
+    """Rays as float32 of shape (N, 8), and the shape of the results."""
     array = as_array("rays", rays)
-    if array.dtype == RAY and array.ndim == 1:
-        array = np.ascontiguousarray(array).view(np.float32).reshape(len(array), 8)
-    if array.dtype != np.float32 or array.ndim != 2 or array.shape[1] != 8:
+    if array.dtype == RAY and array.ndim >= 1:
+        array = np.ascontiguousarray(array)
+        array = array.view(np.ndarray).reshape(-1).view(np.float32).reshape(*array.shape, 8)
+    if array.dtype != np.float32 or array.ndim < 2 or array.shape[-1] != 8:
         raise UsageError(f"rays: has dtype {array.dtype} and shape {array.shape}; give origins and directions, or an array "
                          "of dtype claray.RAY, or float32 of shape (N, 8)")
-    return np.ascontiguousarray(array)
+    return np.ascontiguousarray(array.reshape(-1, 8)), array.shape[:-1]
 
 
 class Rays(np.ndarray):
@@ -190,28 +203,28 @@ def rays(origins: ArrayLike, directions: ArrayLike, tmin: ArrayLike = 0.0, tmax:
     The arguments are those of closest_hit. They are checked here, once.
     """
     check_choice("nan", nan, ("raise", "miss"))
-    starts, towards = _pair(origins, directions)
-    count = len(towards)
-    low, high = _ends(tmin, tmax, count)
-    packed = np.empty(count, RAY)
-    if count:
-        _refuse_bad(_native.pack_rays(starts, towards, low, high, packed.view(np.float32).reshape(count, 8)), starts, nan)
+    starts, towards, shape = _pair("origins", origins, "directions", directions)
+    low, high = _ends(tmin, tmax, shape)
+    packed = np.empty(shape, RAY)
+    if packed.size:
+        _refuse_bad(_native.pack_rays(starts, towards, low, high, _packed(packed)[0]), starts, nan)
     packed.flags.writeable = False
     result = packed.view(Rays)
     result._checked = True
     return result
 
 
-def packed_rays(origins: ArrayLike, directions: ArrayLike | None, tmin: ArrayLike, tmax: ArrayLike, nan: str) -> NDArray[np.float32]:
-    """Rays as float32 of shape (N, 8), checked."""
+def packed_rays(origins: ArrayLike, directions: ArrayLike | None, tmin: ArrayLike, tmax: ArrayLike,
+                nan: str) -> tuple[NDArray[np.float32], Shape]:
+    """Rays as float32 of shape (N, 8), checked, and the shape of the results."""
     if directions is not None:
         return _packed(rays(origins, directions, tmin, tmax, nan=nan))  # type: ignore[arg-type]
     check_choice("nan", nan, ("raise", "miss"))
-    packed = _packed(origins)
+    packed, shape = _packed(origins)
     if nan == "raise" and not getattr(origins, "_checked", False):
         bad = np.flatnonzero(~np.isfinite(packed[:, [0, 1, 2, 4, 5, 6]]).all(axis=1))
         _refuse_bad_packed(int(bad[0]) if len(bad) else -1)
-    return packed
+    return packed, shape
 
 
 def _query_of(bvh: Structure, kind: Literal["closest", "any"], cull_back_faces: bool, closed: bool, coherence: Coherence,
@@ -219,7 +232,8 @@ def _query_of(bvh: Structure, kind: Literal["closest", "any"], cull_back_faces: 
     _check_structure(bvh)
     if filter is not None:  # the kernels stay loaded, and the query costs little
         return Query(bvh, kind, cull_back_faces=cull_back_faces, closed=closed, coherence=coherence, filter=filter)
-    key = (kind, bool(cull_back_faces), bool(closed), coherence)
+    check_choice("coherence", coherence, tuple(_COHERENCE))
+    key = (kind, flag("cull_back_faces", cull_back_faces), flag("closed", closed), coherence)
     if key not in bvh._queries:
         bvh._queries[key] = Query(bvh, kind, cull_back_faces=cull_back_faces, closed=closed, coherence=coherence)
     return bvh._queries[key]
@@ -234,7 +248,8 @@ def closest_hit(bvh: Structure, origins: ArrayLike, directions: ArrayLike | None
 
     bvh: a Bvh, InstancedBvh or Primitives.
     origins: (N, 3) numbers, or (3,) for all rays; or rays in one array of dtype RAY, which is read in place. Any
-    strides; float64 is rounded to float32. directions: (N, 3) or (3,); they need not have unit length.
+    strides; float64 is rounded to float32. directions: (N, 3) or (3,); they need not have unit length. Rays may be in
+    any shape, such as (H, W, 3); results, and what is given for each ray, then have the shape (H, W).
     tmin, tmax: hits have tmin < t <= tmax, in units of the direction's length; one number, or (N,).
     masks: (N,) a ray sees geometries whose mask shares a bit with its own.
     times: (N,) or one number, 0 to 1: when the ray passes, for an InstancedBvh that moves.
@@ -269,8 +284,8 @@ def any_hit(bvh: Structure, origins: ArrayLike, directions: ArrayLike | None = N
 def unoccluded(bvh: Structure, points: ArrayLike, targets: ArrayLike, *, offset: float = 1e-4) -> NDArray[np.bool_]:
     """Returns for every pair whether the segment between them is free.
 
-    points, targets: (N, 3), or (3,) for all. offset: the share of the segment that is left out at both ends, so that the
+    points, targets: (N, 3) or another shape, such as (H, W, 3); or (3,) for all. offset: the share of the segment that is left out at both ends, so that the
     surfaces on which the points lie do not count.
     """
-    starts, ends = _pair(points, targets)
-    return ~any_hit(bvh, starts, ends.astype(np.float64) - starts, tmin=offset, tmax=1 - offset)
+    starts, ends, shape = _pair("points", points, "targets", targets)
+    return ~any_hit(bvh, starts, ends.astype(np.float64) - starts, tmin=offset, tmax=1 - offset).reshape(shape)

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
-from ._device import Device, default_device
+from ._device import AnyDevice, device_of
+from ._handle import Handle
 from ._image import Image
 from ._scene import Scene
 from .errors import UsageError
@@ -20,29 +21,34 @@ def config_of(options: dict[str, Any]) -> Any:
         if not hasattr(config, key):
             raise UsageError(f"{key}: unknown option of a render")
         try:
+            if isinstance(value, (bool, str)):  # float("1") is a number, too
+                raise TypeError
             setattr(config, key, value)
-        except TypeError:
+        except (TypeError, OverflowError):
             raise UsageError(f"{key}: {value!r} is not a number of this option's type and range") from None
     return config
 
 
-class Renderer:
+class Renderer(Handle):
     """Renders a scene by path tracing. The same options give the same image bit for bit.
 
-    scene: a Scene; later changes of it take effect by update(). device: a Device; None: default_device().
+    scene: a Scene; later changes of it take effect by update(). device: as of Bvh.
     width, height: pixels. spp: samples per pixel at which rendering stops. seconds, noise, error: if > 0, stop after
     this time, at this relative standard error, or at this error (RMSE over the mean). max_depth: surfaces per path.
     sample_clamp: if > 0, samples above this radiance are scaled down to it. seed: of the random numbers. Raises UsageError, InputError for an invalid scene, DeviceError.
     """
 
-    def __init__(self, scene: Scene, *, width: int = 512, height: int = 512, spp: int = 64, device: Device | None = None,
+    __slots__ = ("_native", "_rendered")
+    _instead_of_pickling = "make it in each process; its image() is an array, which can be pickled"
+
+    def __init__(self, scene: Scene, *, width: int = 512, height: int = 512, spp: int = 64, device: AnyDevice = None,
                  **options: Any) -> None:
         if not isinstance(scene, Scene):
             raise UsageError(f"scene: is a {type(scene).__name__}; use a claray.Scene")
         scene._warn_of_added_light()
         scene._warn_of_lamps()
         config = config_of({"width": width, "height": height, "spp": spp, **options})
-        self._native = _native.NativeRenderer.make((device or default_device())._native, scene._native, config)
+        self._native = _native.NativeRenderer.make(device_of(device)._native, scene._native, config)
         self._rendered = False
 
     def render(self, progress: Callable[[dict[str, Any]], Any] | None = None) -> dict[str, Any]:
@@ -80,6 +86,8 @@ class Renderer:
 
     def update(self, scene: Scene, *, camera: bool = False, lights: bool = False, materials: bool = False, sky: bool = False) -> None:
         """Discards all samples and continues with a scene that differs in these parts only."""
+        if not isinstance(scene, Scene):
+            raise UsageError(f"scene: is a {type(scene).__name__}; use a claray.Scene")
         self._native.update(scene._native, camera, lights, materials, sky)
         self._rendered = False
 
@@ -87,6 +95,10 @@ class Renderer:
         """Discards all samples and restarts with another seed."""
         self._native.restart(seed)
         self._rendered = False
+
+    def __repr__(self) -> str:
+        width, height = self._native.size()
+        return f"<claray.Renderer of {width} x {height} pixels on {self._native.device().info()['name']}>"
 
     def _repr_png_(self) -> bytes | None:
         return self.image()._repr_png_() if self._rendered else None

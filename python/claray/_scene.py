@@ -3,60 +3,31 @@
 from __future__ import annotations
 
 import os
-import warnings
-from typing import Any, Literal
+from types import MappingProxyType
+from typing import Any, Iterable, Literal, Mapping
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import as_array, check_choice, finite, floats, indices, words
+from ._arrays import as_array, check_choice, finite, floats, indices, places, words
+from ._handle import Handle, warn
 from ._primitives import curve_arrays, cylinder_rows, disc_rows, sphere_rows
+from ._records import Camera, Light, Material, Records, native_of, set_all
 from .errors import UsageError
 
 
-def _set_all(native: Any, name: str, values: dict[str, Any]) -> Any:
-    for key, value in values.items():
-        if not hasattr(native, key):
-            raise UsageError(f"{name}: has no property '{key}'")
-        try:
-            setattr(native, key, value)
-        except TypeError:
-            raise UsageError(f"{key}: {value!r} does not fit a {name}") from None
-    return native
-
-
-def Material(kind: str = "lambert", **properties: Any) -> Any:
-    """A material: kind is "lambert", "mirror", "glass", "metal", "blinn-phong", "principled" or "unlit".
-
-    properties: albedo, emission, specular, sheen (three numbers each, linear Rec. 709; emission is radiance in
-    W / (m^2 sr)); roughness, ior, metallic, transmission, clearcoat, clearcoat_roughness, sheen_roughness, anisotropy,
-    opacity, shininess (numbers); thin_walled, cull_back (bool); name. All can be read and set later.
-    """
-    return _set_all(_native.NativeMaterial(), "Material", {"kind": kind, **properties})
-
-
-def Light(kind: str = "point", **properties: Any) -> Any:
-    """A light: kind is "point", "spot", "directional" or "sun".
-
-    properties: position, direction, intensity (three numbers each; W / sr, or W / m^2 for far lights), inner_angle,
-    outer_angle (radians), range (0: none), name.
-    """
-    return _set_all(_native.NativeLight(), "Light", {"kind": kind, **properties})
-
-
-def Camera(**properties: Any) -> Any:
-    """A camera: position, target, up (three numbers each), vertical_fov (degrees), aperture_radius, focus_distance,
-    orthographic_height (0: perspective)."""
-    return _set_all(_native.NativeCamera(), "Camera", properties)
-
-
-class Scene:
+class Scene(Handle):
     """Meshes, primitives, materials, lights, sky and camera. An empty scene; load() makes one from a file."""
+
+    __slots__ = ("_native", "_added_light")
+    _instead_of_pickling = "copy() copies it; pass the name of its file, or its arrays, to other processes"
+    _native: Any
+    _added_light: str | None
 
     def __init__(self) -> None:
         self._native = _native.NativeScene()
-        self._added_light: str | None = None
+        self._added_light = None
 
     @classmethod
     def _of(cls, native: Any, added_light: str | None = None) -> Scene:
@@ -65,16 +36,40 @@ class Scene:
         scene._added_light = added_light
         return scene
 
-    def add_material(self, material: Any = None, **properties: Any) -> int:
-        """Adds a Material, or one of these properties, and returns its number."""
-        self._native.materials = [*self._native.materials, Material(**properties) if material is None else material]
-        return len(self._native.materials) - 1
+    def _count(self, kind: str) -> int:
+        return getattr(self._native, f"{kind}_count")()
 
-    def add_light(self, light: Any = None, **properties: Any) -> int:
-        """Adds a Light, or one of these properties, and returns its number."""
-        self._native.lights = [*self._native.lights, Light(**properties) if light is None else light]
-        self._added_light = None
-        return len(self._native.lights) - 1
+    def _read(self, kind: str, index: int | None) -> Any:
+        """A copy of a material, a light or the camera."""
+        if index is None:
+            return self._native.camera
+        try:
+            return getattr(self._native, f"{kind}_at")(index)
+        except IndexError:
+            raise UsageError(f"{kind}: the scene has no {kind} {index} any more; take it from scene.{kind}s again") from None
+
+    def _write(self, kind: str, index: int | None, native: Any) -> None:
+        if index is None:
+            self._native.camera = native
+        else:
+            getattr(self._native, f"set_{kind}")(index, native)
+        self._note_change(kind)
+
+    def _replace(self, kind: str, natives: list[Any]) -> None:
+        getattr(self._native, f"set_{kind}s")(natives)
+        self._note_change(kind)
+
+    def _note_change(self, kind: str) -> None:
+        if kind == "light":
+            self._added_light = None
+
+    def add_material(self, material: Material | None = None, **properties: Any) -> int:
+        """Adds a copy of a Material, or one of these properties, and returns its number."""
+        return _append(self.materials, "material", material, properties)
+
+    def add_light(self, light: Light | None = None, **properties: Any) -> int:
+        """Adds a copy of a Light, or one of these properties, and returns its number."""
+        return _append(self.lights, "light", light, properties)
 
     def add_mesh(self, vertices: ArrayLike, triangles: ArrayLike, *, normals: ArrayLike | None = None,
                  uvs: ArrayLike | None = None, material: int = 0, name: str = "", mask: int = 0xFFFFFFFF) -> int:
@@ -83,14 +78,19 @@ class Scene:
         vertices: (V, 3). triangles: (T, 3) indices of vertices. normals: (V, 3) of unit length; None: flat shading.
         uvs: (V, 2), (0, 0) is an image's top left corner. material: number from add_material. mask: for masks of rays.
         """
-        points = finite("vertices", floats("vertices", vertices, 3))
+        points = places("vertices", vertices)
         faces = indices("triangles", triangles, 3, len(points), "vertices")
         directions = finite("normals", floats("normals", [] if normals is None else normals, 3)) if normals is not None else np.empty((0, 3), np.float32)
-        places = finite("uvs", floats("uvs", uvs, 2)) if uvs is not None else np.empty((0, 2), np.float32)
-        for key, array in (("normals", directions), ("uvs", places)):
+        coordinates = finite("uvs", floats("uvs", uvs, 2)) if uvs is not None else np.empty((0, 2), np.float32)
+        for key, array in (("normals", directions), ("uvs", coordinates)):
             if len(array) not in (0, len(points)):
                 raise UsageError(f"{key}: has {len(array)} rows, but vertices has {len(points)}")
-        return self._native.add_mesh(name, points, faces, directions, places, material, mask)
+        for key, number in (("material", material), ("mask", mask)):
+            if not isinstance(number, (int, np.integer)) or isinstance(number, bool) or not 0 <= number < 2**32:
+                raise UsageError(f"{key}: is {number!r}; use a number from 0 to 2**32 - 1")
+        if not isinstance(name, str):
+            raise UsageError(f"name: is a {type(name).__name__}; use a text")
+        return self._native.add_mesh(name, points, faces, directions, coordinates, material, mask)
 
     def _add_primitives(self, kind: str, points: NDArray[np.float32], segments: NDArray[np.uint32] | None, material: ArrayLike,
                         colors: ArrayLike | None, name: str) -> int:
@@ -146,18 +146,20 @@ class Scene:
         return self._native.primitive_count()
 
     @property
-    def meshes(self) -> list[dict[str, Any]]:
-        """The meshes: name, and read-only views 'vertices' (V, 3), 'triangles' (T, 3), 'normals', 'uvs', 'materials'."""
-        return [self._native.mesh_at(i) for i in range(self._native.mesh_count())]
+    def meshes(self) -> tuple[Mapping[str, Any], ...]:
+        """The meshes: name, and views 'vertices' (V, 3), 'triangles' (T, 3), 'normals', 'uvs', 'materials'. All are
+        read-only; add_mesh adds one."""
+        return tuple(MappingProxyType(self._native.mesh_at(i)) for i in range(self._native.mesh_count()))
 
     @property
-    def instances(self) -> dict[str, Any]:
+    def instances(self) -> Mapping[str, Any]:
         """Where meshes are: 'meshes' (N,), the mesh of each instance; 'transforms' (N, 3, 4), from its coordinates to those
-        of the world; 'ends', the same at time 1, or None if nothing moves."""
+        of the world; 'ends', the same at time 1, or None if nothing moves. All are read-only."""
         meshes, begin, end = self._native.placements()
-        rows = np.array(begin, np.float32).reshape(-1, 3, 4)
-        ends = np.array(end, np.float32).reshape(-1, 3, 4)
-        return {"meshes": np.array(meshes, np.uint32), "transforms": rows, "ends": None if (rows == ends).all() else ends}
+        rows = _read_only(np.array(begin, np.float32).reshape(-1, 3, 4))
+        ends = _read_only(np.array(end, np.float32).reshape(-1, 3, 4))
+        return MappingProxyType({"meshes": _read_only(np.array(meshes, np.uint32)), "transforms": rows,
+                                 "ends": None if (rows == ends).all() else ends})
 
     @property
     def triangle_count(self) -> int:
@@ -165,64 +167,94 @@ class Scene:
 
     @property
     def bounds(self) -> NDArray[np.float64]:
-        """The box of all placed meshes and primitives: (2, 3), lowest and highest corner."""
-        return np.array(self._native.bounds())
+        """The box of all placed meshes and primitives: (2, 3), lowest and highest corner. Read-only."""
+        return _read_only(np.array(self._native.bounds()))
 
     @property
-    def materials(self) -> list[Any]:
-        """Copies of the materials. Assign a list to change them."""
-        return self._native.materials
+    def name(self) -> str:
+        return self._native.name
+
+    @name.setter
+    def name(self, name: str) -> None:
+        set_all(self._native, "Scene", {"name": name})
+
+    @property
+    def materials(self) -> Records:
+        """The materials, as a list. Changes of the list and of its elements change the scene."""
+        return Records(self, Material)
 
     @materials.setter
-    def materials(self, materials: list[Any]) -> None:
-        self._native.materials = list(materials)
+    def materials(self, materials: Iterable[Material]) -> None:
+        self.materials.assign(materials)
 
     @property
-    def lights(self) -> list[Any]:
-        """Copies of the lights. Assign a list to change them."""
-        return self._native.lights
+    def lights(self) -> Records:
+        """The lights, as a list. Changes of the list and of its elements change the scene."""
+        return Records(self, Light)
 
     @lights.setter
-    def lights(self, lights: list[Any]) -> None:
-        self._native.lights = list(lights)
-        self._added_light = None
+    def lights(self, lights: Iterable[Light]) -> None:
+        self.lights.assign(lights)
 
     @property
-    def camera(self) -> Any:
-        """A copy of the camera, or of one that sees the whole scene. Assign a Camera to change it."""
-        return self._native.camera
+    def camera(self) -> Camera:
+        """The camera, or one that sees the whole scene. Setting one of its properties, or a Camera, changes the scene."""
+        return Camera._in(self)
 
     @camera.setter
-    def camera(self, camera: Any) -> None:
-        self._native.camera = camera
+    def camera(self, camera: Camera) -> None:
+        self._native.camera = native_of("camera", camera, Camera)
 
     @property
     def sky(self) -> tuple[Any, Any]:
-        """Radiance of rays that leave the scene: at the horizon and at the zenith, three numbers each."""
+        """Radiance of rays that leave the scene: at the horizon and at the zenith, three numbers each. One colour may be
+        set for both."""
         return self._native.sky
 
     @sky.setter
     def sky(self, colors: Any) -> None:
-        pair = colors if len(colors) == 2 else (colors, colors)
-        self._native.sky = (tuple(pair[0]), tuple(pair[1]))
+        given = as_array("sky", colors)
+        if given.dtype.kind not in "fiu" or given.shape not in ((3,), (2, 3)):
+            raise UsageError(f"sky: is {colors!r}; use three numbers, or three for the horizon and three for the zenith")
+        horizon, zenith = np.broadcast_to(given, (2, 3)).tolist()
+        self._native.sky = (tuple(horizon), tuple(zenith))
         self._added_light = None
 
     def _warn_of_added_light(self) -> None:
         """Warns, once, of light that load() added and the caller has not replaced."""
         if self._added_light:
-            warnings.warn(self._added_light + "; choose other light by Scene.sky or Scene.add_light", stacklevel=3)
+            warn(self._added_light + "; choose other light by Scene.sky or Scene.add_light")
         self._added_light = None
 
     def _warn_of_lamps(self) -> None:
         if line := self._native.warning_of_lamps():
-            warnings.warn(line, stacklevel=3)
+            warn(line)
 
     def copy(self) -> Scene:
         return Scene._of(self._native.copy(), self._added_light)
 
+    def __copy__(self) -> Scene:
+        return self.copy()
+
+    def __deepcopy__(self, memo: Any) -> Scene:
+        return self.copy()
+
     def __repr__(self) -> str:
         return f"<claray.Scene '{self._native.name}' of {self._native.mesh_count()} meshes, {self.triangle_count} triangles, " \
                f"{self.primitive_count} primitives>"
+
+
+def _append(records: Records, name: str, record: Any, properties: dict[str, Any]) -> int:
+    if record is not None and properties:
+        raise UsageError(f"{name}: is given, and so is {next(iter(properties))}; use one of both")
+    records.append(records._of(**properties) if record is None else record)
+    return len(records) - 1
+
+
+def _read_only(array: NDArray[Any]) -> NDArray[Any]:
+    """An array whose elements cannot be set, which would not change the scene."""
+    array.flags.writeable = False
+    return array
 
 
 def load(name_or_path: str | os.PathLike[str], **choices: Any) -> Scene:
@@ -233,10 +265,10 @@ def load(name_or_path: str | os.PathLike[str], **choices: Any) -> Scene:
     studio, a pale sky or a lamp, and a file of rooms a view from inside. A renderer warns of them; queries need neither. Raises InputError, naming the file, for a damaged
     one, and UsageError for an unknown scene or choice.
     """
-    options = _set_all(_native.NativeLoadOptions(), "load", choices)
+    options = set_all(_native.NativeLoadOptions(), "load", choices)
     native, messages, added_light = _native.load(os.fspath(name_or_path), options)
     for message in messages:
-        warnings.warn(message, stacklevel=2)
+        warn(message)
     return Scene._of(native, added_light)
 
 

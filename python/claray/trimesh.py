@@ -4,7 +4,7 @@
 
 or install() for all meshes. As trimesh's engines do, a first hit may be one where the ray only touches the surface, and
 rays that begin on a surface hit it. All hits of a ray are counted exactly: one that passes through an edge or a vertex
-counts once, and surfaces at the same distance count each. Whether a point is inside of a watertight mesh is decided by
+counts once, also at a border or where the ray only touches, and surfaces at the same distance count each. Whether a point is inside of a watertight mesh is decided by
 claray.inside.
 """
 
@@ -18,9 +18,9 @@ from numpy.typing import ArrayLike, NDArray
 from trimesh import caching
 from trimesh.ray.ray_util import contains_points
 
-from ._arrays import floats
+from ._arrays import MISS, floats
 from ._bvh import Bvh
-from ._device import Device
+from ._device import AnyDevice
 from ._lists import all_hits
 from ._points import inside
 from ._query import any_hit, closest_hit
@@ -29,17 +29,21 @@ from .errors import UsageError
 
 _BACK = 2.0**-22
 """By how much rays begin before their origins, relative to the size of the frame: 4 to 8 roundings of float32."""
+_NEAR = 2.0**-20
+"""Weights of hits on borders, and differences of distances, relative to them, of one place: some roundings of float32."""
+_FAR, _MOST_PARTS = 64.0, 8
+"""Parts of a mesh have frames of their own if the gap between them is so many times as wide as the smaller one."""
 
 
 class RayMeshIntersector:
     """Ray queries of a trimesh.Trimesh, on a device of OpenCL.
 
     mesh: a trimesh.Trimesh; the structure is built at the first query, and again after the mesh has changed.
-    scale_to_box: accepted as trimesh's Embree engine has it; positions are always taken relative to the mesh's centre.
-    device: a claray.Device; None: claray.default_device().
+    scale_to_box: accepted as trimesh's Embree engine has it; positions are always taken relative to the centre of the
+    mesh; parts that are far from each other have centres of their own. device: as of claray.Bvh.
     """
 
-    def __init__(self, mesh: Any = None, scale_to_box: bool = True, *, device: Device | None = None, geometry: Any = None) -> None:
+    def __init__(self, mesh: Any = None, scale_to_box: bool = True, *, device: AnyDevice = None, geometry: Any = None) -> None:
         self.mesh = mesh if geometry is None else geometry
         if self.mesh is None:
             raise UsageError("mesh: missing; give a trimesh.Trimesh")
@@ -94,7 +98,7 @@ class RayMeshIntersector:
         structure = self._structure
         if structure is None or not self.mesh.is_watertight:
             return contains_points(self, points)
-        return inside(structure.bvh, structure.in_frame(floats("points", points, 3)))
+        return structure.inside(floats("points", points, 3))
 
     def _locations(self, origins: NDArray[Any], directions: NDArray[Any], triangles: NDArray[np.int64]) -> NDArray[np.float64]:
         """The points of rays in the planes of triangles, in float64."""
@@ -121,33 +125,23 @@ class RayMeshIntersector:
 
 
 class _Structure:
-    """A Bvh of the mesh in a frame where it is centred and about 1 in size: scaled by a power of two, which is exact."""
+    """The parts of a mesh."""
 
-    def __init__(self, mesh: Any, device: Device | None) -> None:
-        low, high = np.asarray(mesh.bounds, np.float64)
-        self.centre = 0.5 * (low + high)
-        extent = float((high - low).max())
-        self.scale = 2.0 ** -math.frexp(extent)[1] if 0 < extent < math.inf else 1.0
-        self.bvh = Bvh(self.in_frame(mesh.vertices), np.asarray(mesh.faces), device=device)
-
-    def in_frame(self, points: NDArray[Any]) -> NDArray[np.float64]:
-        moved = np.subtract(points, self.centre, dtype=np.float64)
-        return np.multiply(moved, self.scale, out=moved)
-
-    def start(self, origins: NDArray[Any], directions: NDArray[Any]) -> NDArray[np.float64]:
-        """Origins in the frame, a little back along their rays: a surface on which a ray begins is hit."""
-        lengths = np.sqrt(np.einsum("ij,ij->i", directions, directions, dtype=np.float64))
-        back = np.divide(-_BACK, lengths, out=np.zeros_like(lengths), where=lengths > 0)
-        starts = self.in_frame(origins)
-        starts += back[:, None] * directions
-        return starts
+    def __init__(self, mesh: Any, device: AnyDevice) -> None:
+        corners, faces = np.asarray(mesh.triangles, np.float64), np.asarray(mesh.faces)
+        parts = _parts_of(corners.min(axis=1), corners.max(axis=1))
+        self.parts = [_Part(mesh.vertices, faces, part, device) for part in parts]
 
     def first(self, origins: NDArray[Any], directions: NDArray[Any]) -> NDArray[np.int64]:
-        hits = closest_hit(self.bvh, self.start(origins, directions), directions, closed=True)
-        return hits["primitive"].view(np.int32).astype(np.int64)  # MISS is -1
+        found = [part.first(origins, directions) for part in self.parts]
+        triangles, distances = (np.stack(arrays) for arrays in zip(*found))
+        return triangles[distances.argmin(axis=0), np.arange(len(origins))]
 
     def any(self, origins: NDArray[Any], directions: NDArray[Any]) -> NDArray[np.bool_]:
-        return any_hit(self.bvh, self.start(origins, directions), directions, closed=True)
+        return np.logical_or.reduce([part.any(origins, directions) for part in self.parts])
+
+    def inside(self, points: NDArray[Any]) -> NDArray[np.bool_]:
+        return np.logical_xor.reduce([inside(part.bvh, part.in_frame(points)) for part in self.parts])
 
     def hits(self, origins: NDArray[Any], directions: NDArray[Any], most: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Triangles and rays of all hits: the first hits of all rays, then the second, and so on."""
@@ -155,11 +149,112 @@ class _Structure:
             first = self.first(origins, directions)
             rays = np.flatnonzero(first >= 0)
             return first[rays], rays
-        lists = all_hits(self.bvh, self.start(origins, directions), directions)
-        ranks = np.arange(len(lists.elements)) - np.repeat(lists.offsets[:-1], lists.counts)
+        found = [part.hits(origins, directions) for part in self.parts]
+        rays, distances, triangles = (np.concatenate(arrays) for arrays in zip(*found))
+        order = np.lexsort((triangles, distances, rays))
+        rays, triangles = rays[order], triangles[order]
+        ranks = np.arange(len(rays)) - np.searchsorted(rays, rays)
         order = np.argsort(ranks, kind="stable")
         order = order[: np.searchsorted(ranks[order], most)]
-        return lists.elements["primitive"][order].astype(np.int64), lists.queries[order]
+        return triangles[order], rays[order]
+
+
+class _Part:
+    """A Bvh of some triangles in a frame where they are centred and about 1 in size: scaled by a power of two, which is
+    exact."""
+
+    def __init__(self, vertices: NDArray[Any], faces: NDArray[Any], part: NDArray[np.int64], device: AnyDevice) -> None:
+        self.triangles = part
+        used, corners = np.unique(faces[part], return_inverse=True)
+        places = np.asarray(vertices, np.float64)[used]
+        low, high = places.min(axis=0), places.max(axis=0)
+        self.centre = 0.5 * low + 0.5 * high
+        extent = float((high - low).max())
+        self.scale = 2.0 ** -math.frexp(extent)[1] if 0 < extent < math.inf else 1.0
+        self.bvh = Bvh(self.in_frame(places), corners.reshape(-1, 3), device=device)
+
+    def in_frame(self, points: NDArray[Any]) -> NDArray[np.float64]:
+        moved = np.subtract(points, self.centre, dtype=np.float64)
+        return np.multiply(moved, self.scale, out=moved)
+
+    def start(self, origins: NDArray[Any], directions: NDArray[Any]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Origins in the frame, a little back along their rays: a surface on which a ray begins is hit. And how far."""
+        lengths = np.sqrt(np.einsum("ij,ij->i", directions, directions, dtype=np.float64))
+        back = np.divide(_BACK, lengths, out=np.zeros_like(lengths), where=lengths > 0)
+        starts = self.in_frame(origins)
+        starts -= back[:, None] * directions
+        return starts, back
+
+    def first(self, origins: NDArray[Any], directions: NDArray[Any]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Triangles, or -1, and distances in the mesh's unit."""
+        starts, back = self.start(origins, directions)
+        hits = closest_hit(self.bvh, starts, directions, closed=True)
+        found = hits["primitive"] != MISS
+        triangles = np.full(len(hits), -1, np.int64)
+        triangles[found] = self.triangles[hits["primitive"][found]]
+        return triangles, (hits["t"] - back) / self.scale
+
+    def any(self, origins: NDArray[Any], directions: NDArray[Any]) -> NDArray[np.bool_]:
+        return any_hit(self.bvh, self.start(origins, directions)[0], directions, closed=True)
+
+    def hits(self, origins: NDArray[Any], directions: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+        """Rays, distances in the mesh's unit, triangles."""
+        starts, back = self.start(origins, directions)
+        lists = all_hits(self.bvh, starts, directions, closed=True)
+        rays, hits = lists.queries, lists.elements
+        on_border = np.minimum(np.minimum(hits["u"], hits["v"]), 1 - hits["u"] - hits["v"]) <= _NEAR
+        touching = np.unique(rays[on_border])
+        if len(touching):
+            crossings = all_hits(self.bvh, starts[touching], directions[touching])
+            count = len(self.triangles)
+            crosses = np.isin(rays * count + hits["primitive"],
+                              touching[crossings.queries] * count + crossings.elements["primitive"])
+            crosses |= ~np.isin(rays, touching)
+            kept = _one_for_each_place(rays, hits["t"].astype(np.float64), crosses)
+            rays, hits = rays[kept], hits[kept]
+        return rays, (hits["t"] - back[rays]) / self.scale, self.triangles[hits["primitive"]]
+
+
+def _one_for_each_place(rays: NDArray[Any], distances: NDArray[Any], crosses: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which hits count: those that cross the surface, and one of those that only touch it where none crosses. Hits are in
+    the order of rays and distances."""
+    if len(rays) == 0:
+        return crosses
+    begins = np.ones(len(rays), bool)
+    begins[1:] = (rays[1:] != rays[:-1]) | (distances[1:] - distances[:-1] > _NEAR * distances[1:])
+    places = np.cumsum(begins) - 1
+    crossed = np.logical_or.reduceat(crosses, np.flatnonzero(begins))
+    return crosses | (begins & ~crossed[places])
+
+
+def _parts_of(low: NDArray[np.float64], high: NDArray[np.float64]) -> list[NDArray[np.int64]]:
+    """Triangles, by the corners of their boxes (T, 3), in parts that gaps separate which are wide beside the smaller part.
+    In one frame for all, float32 could not resolve it."""
+    whole: list[NDArray[np.int64]] = [np.arange(len(low))]
+    parts: list[NDArray[np.int64]] = []
+    while whole:
+        part = whole.pop()
+        first = _before_widest_gap(low[part], high[part]) if len(whole) + len(parts) + 2 <= _MOST_PARTS else None
+        if first is None:
+            parts.append(part)
+        else:
+            whole += [part[first], part[~first]]
+    return parts
+
+
+def _before_widest_gap(low: NDArray[np.float64], high: NDArray[np.float64]) -> NDArray[np.bool_] | None:
+    """Which boxes lie before the widest gap along an axis; None if it is not wide."""
+    best, first = 0.0, None
+    for axis in range(3):
+        order = np.argsort(low[:, axis], kind="stable")
+        gaps = low[order[1:], axis] - np.maximum.accumulate(high[order[:-1], axis])
+        if len(gaps) and gaps.max() > best:
+            best, first = float(gaps.max()), np.zeros(len(low), bool)
+            first[order[: gaps.argmax() + 1]] = True
+    if first is None:
+        return None
+    smaller = min(float((high[side].max(axis=0) - low[side].min(axis=0)).max()) for side in (first, ~first))
+    return first if best > _FAR * smaller else None
 
 
 def _rays(ray_origins: ArrayLike, ray_directions: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:

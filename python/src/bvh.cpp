@@ -99,8 +99,8 @@ Bvh::Config config_of(const std::string& builder) {
     const auto* row =
         std::find_if(std::begin(builders), std::end(builders), [&](auto& b) { return builder == b.name; });
     if (row == std::end(builders)) {
-        std::string names;
-        for (const BuilderTraits& b : builders) names += std::string(names.empty() ? "" : ", ") + b.name;
+        std::string names = automatic_traits.name;
+        for (const BuilderTraits& b : builders) names += std::string(", ") + b.name;
         throw Error(ErrorKind::usage, "builder: unknown name '" + builder + "'", "use one of " + names);
     }
     Bvh::Config config;
@@ -122,6 +122,8 @@ void bind_bvh(nb::module_& module) {
         .def("move_vertices", &move_vertices)
         .def("cost_growth",
              [](const PyBvh& self) { return without_gil(self.device, [&] { return self.bvh.cost_growth(); }); })
+        .def("is_closed",
+             [](const PyBvh& self) { return without_gil(self.device, [&] { return self.bvh.is_closed(); }); })
         .def("is_valid",
              [](const PyBvh& self) { return without_gil(self.device, [&] { return self.bvh.validate().ok(); }); })
         .def("hash", [](const PyBvh& self) { return without_gil(self.device, [&] { return self.bvh.hash(); }); })

@@ -9,14 +9,17 @@
 namespace claray::python {
 namespace {
 
-cl::Event adopt_event(std::uintptr_t event) {
+PyEvent adopt_event(std::uintptr_t event) {
     if (event == 0) throw Error(ErrorKind::usage, "wait_for: the event is null");
     return cl::Event(reinterpret_cast<cl_event>(event), true);
 }
 
-bool is_complete(const cl::Event& event) { return event.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() <= CL_COMPLETE; }
+bool is_complete(const PyEvent& event) { return event.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() <= CL_COMPLETE; }
 
-void wait(const cl::Event& event) try { event.wait(); } catch (const cl::Error& error) {
+void wait(const PyEvent& event) try {
+    refuse_if_forked();
+    event.wait();
+} catch (const cl::Error& error) {
     throw Error(ErrorKind::device,
                 "the commands of the event failed (OpenCL error " + std::to_string(error.err()) + ")");
 }
@@ -39,6 +42,7 @@ nb::dict as_dict(const DeviceInfo& info) {
 }  // namespace
 
 void bind_device(nb::module_& module) {
+    module.def("is_forked", &is_forked);
     module.def("list_devices", [] {
         nb::list list;
         for (const DeviceInfo& info : list_devices()) list.append(as_dict(info));
@@ -64,15 +68,15 @@ void bind_device(nb::module_& module) {
         .def("context_ptr",
              [](const PyDevice& self) { return reinterpret_cast<std::uintptr_t>(self.device.context()()); })
         .def("queue_ptr", [](const PyDevice& self) { return reinterpret_cast<std::uintptr_t>(self.device.queue()()); });
-    nb::class_<cl::Event>(module, "NativeEvent")
+    nb::class_<PyEvent>(module, "NativeEvent")
         .def_static("adopt", &adopt_event)
         .def("wait",
-             [](const cl::Event& self) {
+             [](const PyEvent& self) {
                  const nb::gil_scoped_release release;
                  wait(self);
              })
         .def("done", &is_complete)
-        .def("ptr", [](const cl::Event& self) { return reinterpret_cast<std::uintptr_t>(self()); });
+        .def("ptr", [](const PyEvent& self) { return reinterpret_cast<std::uintptr_t>(self()); });
 }
 
 }  // namespace claray::python

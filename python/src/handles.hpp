@@ -9,30 +9,50 @@
 #include <vector>
 
 #include "claray/query.hpp"
+#include "host/compute/fork.hpp"
 
 namespace claray::python {
 
 namespace nb = nanobind;
 
+/// A handle that is not released in a process that fork() made: releasing takes locks of the driver, which another
+/// thread may have held then.
+template <class T>
+struct Kept : T {
+    Kept() = default;
+    Kept(T handle) : T(std::move(handle)) {}
+    Kept(const Kept&) = default;
+    Kept(Kept&&) = default;
+    Kept& operator=(const Kept&) = default;
+    Kept& operator=(Kept&&) = default;
+    ~Kept() {
+        if (is_forked()) static_cast<void>(new T(std::move(static_cast<T&>(*this))));
+    }
+};
+
 /// Copies share the device, its lock and its scratch memory.
 struct PyDevice {
-    Device device;
+    Kept<Device> device;
     /// claray's handles must not be used by two threads at once. Recursive: a callback may use what called it.
     std::shared_ptr<std::recursive_mutex> mutex = std::make_shared<std::recursive_mutex>();
     std::shared_ptr<std::vector<Ray>> scratch = std::make_shared<std::vector<Ray>>();
 };
 
-/// Runs `work` without the GIL and with the device's lock. Waiting for the lock with the GIL held could deadlock.
+/// Runs `work` without the GIL and with the device's lock. Waiting for the lock with the GIL held could deadlock, as
+/// could a lock that another thread held when fork() made this process.
 template <class Work>
 auto without_gil(const PyDevice& device, const Work& work) {
+    refuse_if_forked();
     const nb::gil_scoped_release release;
     const std::lock_guard lock(*device.mutex);
     return work();
 }
 
+using PyEvent = Kept<cl::Event>;
+
 struct PyBvh {
     PyDevice device;
-    Bvh bvh;
+    Kept<Bvh> bvh;
 };
 
 void bind_errors(nb::module_& module);

@@ -14,29 +14,34 @@ using Words = Input<std::uint32_t, nb::shape<-1>>;
 using WordsOut = Output<std::uint32_t, nb::shape<-1>>;
 using PackedRays = Input<float, nb::shape<-1, 8>>;
 
-QueryOptions options_of(const Device& device, bool cull_back_faces, const Words& masks, const PyFilter& filter) {
+/// What counts as a hit.
+struct Sides {
+    bool cull_back_faces, closed;
+};
+
+QueryOptions options_of(const Device& device, const Sides& sides, const Words& masks, const PyFilter& filter) {
     QueryOptions options;
-    options.cull_back_faces = cull_back_faces;
+    options.cull_back_faces = sides.cull_back_faces, options.closed = sides.closed;
     if (masks.size() != 0) options.ray_masks = Buffer<std::uint32_t>::over(device, span_of<std::uint32_t>(masks));
     options.filter = filter_of(device, filter);
     return options;
 }
 
-void count(const PyBvh& self, const PackedRays& rays, bool cull_back_faces, const Words& masks, const PyFilter& filter,
-           const WordsOut& out) {
+void count(const PyBvh& self, const PackedRays& rays, bool cull_back_faces, bool closed, const Words& masks,
+           const PyFilter& filter, const WordsOut& out) {
     without_gil(self.device, [&] {
         const Device& device = self.bvh.device();
         const auto given = Buffer<Ray>::over(device, span_of<Ray>(rays, 8));
         const std::span counts(out.data(), out.size());
         auto found = Buffer<std::uint32_t>::under(device, counts);
-        count_hits(self.bvh, given, found, options_of(device, cull_back_faces, masks, filter));
+        count_hits(self.bvh, given, found, options_of(device, {cull_back_faces, closed}, masks, filter));
         found.fetch(counts);
     });
 }
 
-void nearest(const PyBvh& self, const PackedRays& rays, std::uint32_t most, bool cull_back_faces, const Words& masks,
-             const PyFilter& filter, const Output<std::uint8_t, nb::shape<-1, -1, sizeof(Hit)>>& hits,
-             const WordsOut& counts) {
+void nearest(const PyBvh& self, const PackedRays& rays, std::uint32_t most, bool cull_back_faces, bool closed,
+             const Words& masks, const PyFilter& filter,
+             const Output<std::uint8_t, nb::shape<-1, -1, sizeof(Hit)>>& hits, const WordsOut& counts) {
     without_gil(self.device, [&] {
         const Device& device = self.bvh.device();
         const auto given = Buffer<Ray>::over(device, span_of<Ray>(rays, 8));
@@ -45,7 +50,7 @@ void nearest(const PyBvh& self, const PackedRays& rays, std::uint32_t most, bool
         auto hit_buffer = Buffer<Hit>::under(device, found_hits);
         auto count_buffer = Buffer<std::uint32_t>::under(device, found_counts);
         nearest_hits(self.bvh, given, most, hit_buffer, count_buffer,
-                     options_of(device, cull_back_faces, masks, filter));
+                     options_of(device, {cull_back_faces, closed}, masks, filter));
         hit_buffer.fetch(found_hits);
         count_buffer.fetch(found_counts);
     });
@@ -60,10 +65,11 @@ nb::tuple as_tuple(HostLists<Element>&& lists, std::vector<std::size_t> columns)
                           array_of<Number>(std::move(lists.elements), columns));
 }
 
-nb::tuple all(const PyBvh& self, const PackedRays& rays, bool cull_back_faces, const Words& masks,
+nb::tuple all(const PyBvh& self, const PackedRays& rays, bool cull_back_faces, bool closed, const Words& masks,
               const PyFilter& filter) {
     HostLists<Hit> lists = without_gil(self.device, [&] {
-        return all_hits(self.bvh, span_of<Ray>(rays, 8), options_of(self.bvh.device(), cull_back_faces, masks, filter));
+        return all_hits(self.bvh, span_of<Ray>(rays, 8),
+                        options_of(self.bvh.device(), {cull_back_faces, closed}, masks, filter));
     });
     return as_tuple<std::uint8_t>(std::move(lists), {sizeof(Hit)});
 }

@@ -3,6 +3,8 @@
 
 NB_MODULE(_native, module) {
     using namespace claray::python;
+    nb::set_leak_warnings(false);  // threads, and processes made by fork(), may end while they hold objects
+    module.attr("version") = CLARAY_VERSION;
     bind_errors(module);
     bind_device(module);
     bind_bvh(module);

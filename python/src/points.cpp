@@ -9,8 +9,9 @@ namespace {
 using Points = Input<float, nb::shape<-1, 3>>;
 using Words = Input<std::uint32_t, nb::shape<-1>>;
 
-PointOptions options_of(const Device& device, float reach, const Words& masks) {
+PointOptions options_of(const Device& device, float reach, const Words& masks, bool vote = false) {
     PointOptions options;
+    options.vote = vote;
     options.reach = reach;
     if (masks.size() != 0) options.masks = Buffer<std::uint32_t>::over(device, span_of<std::uint32_t>(masks));
     return options;
@@ -36,15 +37,17 @@ void nearest(const PyBvh& self, const Points& points, float reach, const Words& 
            });
 }
 
-void are_inside(const PyBvh& self, const Points& points, const Output<std::uint8_t, nb::shape<-1>>& out) {
+void are_inside(const PyBvh& self, const Points& points, bool vote, const Output<std::uint8_t, nb::shape<-1>>& out) {
+    PointOptions options;
+    options.vote = vote;
     answer(self, points, std::span(out.data(), out.size()),
-           [&](const Buffer<float>& given, Buffer<std::uint8_t>& found) { inside(self.bvh, given, found); });
+           [&](const Buffer<float>& given, Buffer<std::uint8_t>& found) { inside(self.bvh, given, found, options); });
 }
 
-void signed_distances(const PyBvh& self, const Points& points, float reach, const Words& masks,
+void signed_distances(const PyBvh& self, const Points& points, float reach, const Words& masks, bool vote,
                       const Output<float, nb::shape<-1>>& out) {
     answer(self, points, std::span(out.data(), out.size()), [&](const Buffer<float>& given, Buffer<float>& found) {
-        signed_distance(self.bvh, given, found, options_of(self.bvh.device(), reach, masks));
+        signed_distance(self.bvh, given, found, options_of(self.bvh.device(), reach, masks, vote));
     });
 }
 

@@ -26,10 +26,10 @@ using Structure = std::variant<Bvh, InstancedBvh, Primitives>;
 
 struct PyQuery {
     PyDevice device;  // with the queue
-    Structure structure;
+    Kept<Structure> structure;
     QueryKind kind = QueryKind::closest;
-    QueryOptions options;
-    std::optional<Query> query;  // none for primitives
+    Kept<QueryOptions> options;
+    Kept<std::optional<Query>> query;  // none for primitives
 };
 
 std::optional<Query> query_over(const Structure& structure, QueryKind kind, const QueryOptions& options,
@@ -165,14 +165,14 @@ std::int64_t run_packed(PyQuery& self, const PackedRays& rays, const Words& mask
 }
 
 /// Buffers of the device, by their cl_mem. The caller keeps them alive until the event is complete.
-cl::Event run_buffers(PyQuery& self, std::uintptr_t rays, std::uintptr_t results, std::size_t count,
-                      const std::vector<cl::Event>& wait_for) {
+PyEvent run_buffers(PyQuery& self, std::uintptr_t rays, std::uintptr_t results, std::size_t count,
+                    const std::vector<PyEvent>& wait_for) {
     return without_gil(self.device, [&] {
         const Device& device = self.device.device;
         const auto device_rays = Buffer<Ray>::adopt(device, reinterpret_cast<cl_mem>(rays), count);
         return with_result(self, [&](auto result) {
             auto memory = Buffer<decltype(result)>::adopt(device, reinterpret_cast<cl_mem>(results), count);
-            return enqueue(self, device_rays, memory, wait_for);
+            return PyEvent(enqueue(self, device_rays, memory, {wait_for.begin(), wait_for.end()}));
         });
     });
 }

@@ -2,6 +2,7 @@
 #include "claray/renderer.hpp"
 
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 
 #include <exception>
@@ -16,7 +17,7 @@ namespace {
 struct PyRenderer {
     PyDevice device;
     unsigned width = 0, height = 0;
-    Renderer renderer;
+    Kept<Renderer> renderer;
 };
 
 PyRenderer make_renderer(const PyDevice& device, const Scene& scene, const RenderConfig& config) {
@@ -140,6 +141,7 @@ void bind_renderer(nb::module_& module) {
                  return without_gil(self.device, [&] { return self.renderer.statistics().device_bytes; });
              })
         .def("aovs", &aovs)
+        .def("size", [](const PyRenderer& self) { return std::make_pair(self.width, self.height); })
         .def("device", [](const PyRenderer& self) { return self.device; });
 }
 

@@ -111,9 +111,32 @@ nb::tuple placements_of(const Scene& scene) {
     return nb::make_tuple(meshes, begin, end);
 }
 
+/// Elements of a list of the scene as copies: references would end with the next change of the list. `name`:
+/// "material" or "light".
+template <class Element>
+void bind_elements(nb::class_<Scene>& scene, const std::string& name, std::vector<Element> Scene::*list) {
+    const auto check = [list](const Scene& of, std::size_t index) {
+        if (index >= (of.*list).size()) throw nb::index_error("the scene has no such element any more");
+    };
+    scene.def((name + "_count").c_str(), [list](const Scene& of) { return (of.*list).size(); })
+        .def((name + "_at").c_str(),
+             [=](const Scene& of, std::size_t index) {
+                 check(of, index);
+                 return Element((of.*list)[index]);
+             })
+        .def(("set_" + name).c_str(),
+             [=](Scene& of, std::size_t index, const Element& element) {
+                 check(of, index);
+                 (of.*list)[index] = element;
+             })
+        .def(("set_" + name + "s").c_str(),
+             [list](Scene& of, std::vector<Element> elements) { of.*list = std::move(elements); });
+}
+
 void bind_material(nb::module_& module) {
     nb::class_<Material> material(module, "NativeMaterial");
     material.def(nb::init<>())
+        .def("copy", [](const Material& from) { return Material(from); })
         .def_prop_rw(
             "kind", [](const Material& m) { return row_of(m.kind) ? row_of(m.kind)->name : "custom"; },
             [](Material& m, const std::string& name) {
@@ -143,6 +166,7 @@ void bind_material(nb::module_& module) {
 void bind_light(nb::module_& module) {
     nb::class_<Light>(module, "NativeLight")
         .def(nb::init<>())
+        .def("copy", [](const Light& from) { return Light(from); })
         .def_prop_rw(
             "kind", [](const Light& l) { return traits_of(l.kind) ? traits_of(l.kind)->name : "unknown"; },
             [](Light& l, const std::string& name) { l.kind = kind_of<LightKind>("Light", name, light_kinds); })
@@ -158,6 +182,7 @@ void bind_light(nb::module_& module) {
 void bind_camera(nb::module_& module) {
     nb::class_<Camera>(module, "NativeCamera")
         .def(nb::init<>())
+        .def("copy", [](const Camera& from) { return Camera(from); })
         .def_rw("position", &Camera::position)
         .def_rw("target", &Camera::target)
         .def_rw("up", &Camera::up)
@@ -190,11 +215,11 @@ void bind_scene(nb::module_& module) {
         const auto names = builtin_scene_names();
         return std::vector<std::string>(names.begin(), names.end());
     });
-    nb::class_<Scene>(module, "NativeScene")
-        .def(nb::init<>())
+    nb::class_<Scene> scene(module, "NativeScene");
+    bind_elements(scene, "material", &Scene::materials);
+    bind_elements(scene, "light", &Scene::lights);
+    scene.def(nb::init<>())
         .def_rw("name", &Scene::name)
-        .def_rw("materials", &Scene::materials)
-        .def_rw("lights", &Scene::lights)
         .def_prop_rw(
             "sky", [](const Scene& s) { return std::make_pair(s.sky.horizon, s.sky.zenith); },
             [](Scene& s, const std::pair<glm::vec3, glm::vec3>& colors) {

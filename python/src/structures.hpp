@@ -9,12 +9,12 @@ namespace claray::python {
 
 struct PyPrimitives {
     PyDevice device;
-    Primitives primitives;
+    Kept<Primitives> primitives;
 };
 
 struct PyInstancedBvh {
     PyDevice device;
-    InstancedBvh bvh;
+    Kept<InstancedBvh> bvh;
     std::vector<Instance> instances;  // as they were given, for moves
 };
 

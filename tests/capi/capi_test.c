@@ -50,7 +50,9 @@ static void test_queries(claray_device* device) {
     uint8_t any[4];
     fill_rays(rays);
     EXPECT(claray_bvh_build(device, &mesh, NULL, &bvh) == CLARAY_OK);
+    int closed_surface = -1;
     EXPECT(claray_bvh_triangle_count(bvh) == 2);
+    EXPECT(claray_bvh_is_closed(bvh, &closed_surface) == CLARAY_OK && closed_surface == 0);
     EXPECT(claray_closest_hit(bvh, rays, 4, hits) == CLARAY_OK);
     EXPECT(hits[0].primitive == 0 && hits[0].t == 2 && hits[0].geometry == 0);
     EXPECT(hits[1].primitive == CLARAY_MISS && isinf(hits[1].t));
@@ -94,6 +96,41 @@ static void test_closed(claray_device* device) {
         claray_query_release(query);
     }
     claray_bvh_release(bvh);
+}
+
+/* A config of zeros builds as no config does, and otherwise than the fast builder: by the bytes of the saved trees. */
+static size_t saved(claray_device* device, const claray_bvh_config* config, unsigned char* bytes, size_t room) {
+    enum { triangles = 64 };
+    static float vertices[9 * triangles];
+    static uint32_t indices[3 * triangles];
+    for (int i = 0; i < 9 * triangles; ++i) vertices[i] = (float)((i * 7919 + i / 3 * 104729) % 1009);
+    for (int i = 0; i < 3 * triangles; ++i) indices[i] = (uint32_t)i;
+    claray_mesh mesh = {0};
+    claray_bvh* bvh = NULL;
+    mesh.struct_size = sizeof mesh;
+    mesh.vertices = vertices, mesh.vertex_count = 3 * triangles;
+    mesh.triangles = indices, mesh.triangle_count = triangles;
+    EXPECT(claray_bvh_build(device, &mesh, config, &bvh) == CLARAY_OK);
+    EXPECT(claray_bvh_save(bvh, "capi_builder.cbvh") == CLARAY_OK);
+    claray_bvh_release(bvh);
+    FILE* file = fopen("capi_builder.cbvh", "rb");
+    const size_t size = file ? fread(bytes, 1, room, file) : 0;
+    if (file) fclose(file);
+    remove("capi_builder.cbvh");
+    EXPECT(size > 1000 && size < room);
+    return size;
+}
+
+static void test_builders(claray_device* device) {
+    static unsigned char without[1 << 16], zeros[1 << 16], fast[1 << 16];
+    claray_bvh_config config = {0};
+    config.struct_size = sizeof config;
+    EXPECT(config.builder == CLARAY_BUILDER_AUTOMATIC);
+    const size_t size = saved(device, NULL, without, sizeof without);
+    EXPECT(saved(device, &config, zeros, sizeof zeros) == size && memcmp(without, zeros, size) == 0);
+    config.builder = CLARAY_BUILDER_FAST;
+    const size_t fast_size = saved(device, &config, fast, sizeof fast);
+    EXPECT(fast_size != size || memcmp(without, fast, size) != 0);
 }
 
 static void test_refit(claray_device* device) {
@@ -201,6 +238,10 @@ static void test_points(claray_device* device) {
     EXPECT(claray_signed_distance(bvh, points, 2, distances) == CLARAY_OK);
     EXPECT(distances[0] == -0.125f && distances[1] == 2);
     EXPECT(claray_inside(bvh, NULL, 0, NULL) == CLARAY_OK);
+    int closed = -1;
+    EXPECT(claray_bvh_is_closed(bvh, &closed) == CLARAY_OK && closed == 1);
+    EXPECT_ERROR(claray_bvh_is_closed(bvh, NULL), CLARAY_ERROR_USAGE, "closed is NULL");
+    EXPECT_ERROR(claray_bvh_is_closed(NULL, &closed), CLARAY_ERROR_USAGE, "bvh is NULL");
     EXPECT_ERROR(claray_nearest_point(bvh, points, 3, -1, nearest), CLARAY_ERROR_USAGE, "reach is -1");
     EXPECT_ERROR(claray_nearest_point(bvh, points, 3, NAN, nearest), CLARAY_ERROR_USAGE, "reach is");
     EXPECT_ERROR(claray_nearest_point(bvh, points, 3, 1, NULL), CLARAY_ERROR_USAGE, "nearest is NULL");
@@ -545,6 +586,7 @@ int main(void) {
     EXPECT(strlen(claray_device_name(device)) > 0);
     test_queries(device);
     test_closed(device);
+    test_builders(device);
     test_refit(device);
     test_buffers(device);
     test_points(device);

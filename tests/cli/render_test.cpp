@@ -77,7 +77,7 @@ TEST_F(Render, DenoisesByTheNamedDenoiser) {
     EXPECT_EQ(plain.output.find("denoised"), std::string::npos) << plain.output;
     EXPECT_NE(denoised.output.find("denoised by claray in "), std::string::npos) << denoised.output;
     EXPECT_NE(read_pfm(path("a.pfm"), 3), read_pfm(path("b.pfm"), 3));
-    EXPECT_TRUE(failed_with(render("cornell", "c.pfm", {"--denoise=blur"}), 2, "choose auto, claray or oidn"));
+    EXPECT_TRUE(failed_with(render("cornell", "c.pfm", {"--denoise=blur"}), 2, "choose automatic, claray or oidn"));
     EXPECT_TRUE(failed_with(run_claray({"render", "cornell", "--denoise", "--fps", "10"}), 2,
                             "--denoise and --fps contradict"));
 }

@@ -198,5 +198,17 @@ TEST(Program, ArgumentsInEachOthersPlaceAreRefused) {
     }));
 }
 
+TEST(Program, UnknownKernelsAreNamedWithThoseThatThereAre) {
+    const char* source = "kernel void one(global uint* x) {} kernel void two(global uint* x) {}";
+    for (const char* name : {"three", "on", ""})
+        EXPECT_TRUE(throws_error(ErrorKind::usage, "'my.cl' has no kernel '" + std::string(name) + "'", [&] {
+            static_cast<void>(compile_kernel(device(), source, name, {}, Math::strict, "my.cl"));
+        }));
+    EXPECT_TRUE(throws_error(ErrorKind::usage, "one, two",
+                             [&] { static_cast<void>(compile_kernel(device(), source, "three")); }));
+    EXPECT_TRUE(throws_error(ErrorKind::usage, "its kernels are",
+                             [&] { static_cast<void>(load_kernel(device(), "sort/scan.cl", "no_such_kernel")); }));
+}
+
 }  // namespace
 }  // namespace claray::test

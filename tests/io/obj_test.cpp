@@ -7,6 +7,7 @@
 #include <random>
 
 #include "claray/io.hpp"
+#include "host/base/format.hpp"
 #include "host/io/obj/obj_corner.hpp"
 #include "host/io/words.hpp"
 #include "tests/io/expect_error.hpp"
@@ -330,6 +331,24 @@ TEST_F(Obj, SceneNamesAreBuiltInOrFiles) {
                  [&] { static_cast<void>(load_scene("teapot", warnings)); });
     expect_error(ErrorKind::usage, {"mesh.fbx", ".obj"}, [&] { static_cast<void>(load_scene("mesh.fbx", warnings)); });
     expect_error(ErrorKind::user, {"absent.obj"}, [&] { static_cast<void>(load_scene("absent.obj", warnings)); });
+}
+
+/// Where float32 rounds them by more than 1e-5 of the extent.
+TEST_F(Obj, CoordinatesFarFromTheOriginAreWarnedOf) {
+    const auto warnings_at = [&](double x, double y, double size) {
+        const std::string text =
+            printed("v %.9g %.9g 0\nv %.9g %.9g 0\nv %.9g %.9g 0\nf 1 2 3\n", x, y, x + size, y, x, y + size);
+        warnings.clear();
+        static_cast<void>(load_scene(folder.file("map.obj", text).string(), warnings));
+        return std::count_if(warnings.begin(), warnings.end(), [](const std::string& line) {
+            return line.find("map.obj") != std::string::npos && line.find("float32 rounds") != std::string::npos;
+        });
+    };
+    EXPECT_EQ(warnings_at(447123.05, 4132567.15, 2), 1);
+    EXPECT_EQ(warnings_at(-4e6, 0, 2), 1);
+    EXPECT_EQ(warnings_at(0.05, 0.15, 2), 0);
+    EXPECT_EQ(warnings_at(1e9, 1e9, 1e8), 0) << "as wide as it is far";
+    EXPECT_EQ(warnings_at(100, 0, 1), 0);
 }
 
 TEST_F(Obj, AMeshWithoutLightGetsASky) {

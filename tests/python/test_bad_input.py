@@ -1,5 +1,7 @@
 """What is wrong is an exception that begins with the argument's name; nothing is traced."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -44,6 +46,14 @@ def test_arrays_of_rays(soup, rays):
     refused("directions", lambda: hit(bvh, origins, directions[1:]), "776 rows")
     refused("directions", lambda: hit(bvh, origins, "up"))
     refused("rays", lambda: hit(bvh, origins), r"\(777, 3\)")
+    rows = origins.reshape(37, 21, 3)
+    refused("directions", lambda: hit(bvh, rows, directions), "777 rows.*37 x 21 rows")
+    refused("origins", lambda: hit(bvh, rows.transpose(2, 0, 1), rows))
+    refused("tmax", lambda: hit(bvh, rows, rows, tmax=np.ones(777)), r"\(37, 21\)")
+    refused("masks", lambda: hit(bvh, rows, rows, masks=np.ones(777, int)), r"\(37, 21\)")
+    refused("out", lambda: hit(bvh, rows, rows, out=np.empty(777, claray.HIT)))
+    refused("points", lambda: claray.unoccluded(bvh, origins[:, :2], directions))
+    refused("targets", lambda: claray.unoccluded(bvh, origins, directions[1:]), "776 rows")
     refused("tmin", lambda: hit(bvh, origins, directions, tmin=-1))
     refused("tmin", lambda: hit(bvh, origins, directions, tmin=np.nan))
     refused("tmax", lambda: hit(bvh, origins, directions, tmax=np.ones(5)))
@@ -56,6 +66,20 @@ def test_arrays_of_rays(soup, rays):
     refused("kind", lambda: claray.Query(bvh, "all"))
     assert len(hit(bvh, origins[:0], directions[:0])) == 0
     assert claray.any_hit(bvh, np.zeros((0, 3)), (0, 0, 1)).shape == (0,)
+
+
+def test_coordinates_that_float32_rounds_are_warned_of():
+    corners, triangle = np.array([[0.05, 0.15, 0], [2, 0, 0], [0, 2, 0]]), [[0, 1, 2]]
+    far = corners + [447123.05, 4132567.15, 120]
+    for build in (lambda v: claray.Bvh(v, triangle), lambda v: claray.Scene().add_mesh(v, triangle),
+                  lambda v: claray.Primitives.spheres(v, 0.1)):
+        with pytest.warns(UserWarning, match=r"float32 rounds them by up to 0\.1, and their extent is 2;") as caught:
+            build(far)
+        assert caught[0].filename == __file__
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            for near in (corners, far.round().tolist(), far.astype(np.float32), corners * 1e9, far * [0, 0, 1]):
+                build(near)
 
 
 def test_rays_that_are_not_finite(soup, rays):

@@ -1,5 +1,7 @@
 """Nearest points, insides, all hits and overlaps, against float64 brute force of NumPy and closed forms."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -56,11 +58,11 @@ def test_masks_and_points_that_are_not_finite(soup):
     for mask in (1, 2):
         found = claray.nearest_point(bvh, points, masks=np.full(3, mask))
         assert (found["geometry"] == mask - 1).all() and (found["primitive"] % 2 == mask - 1).all()
-        distance = claray.signed_distance(bvh, points, masks=np.full(3, mask))
+        distance = claray.signed_distance(bvh, points, masks=np.full(3, mask), open="vote")
         assert (np.abs(distance) == found["distance"]).all()
     missed = claray.nearest_point(bvh, NAN, nan="miss")["primitive"] == claray.MISS
     assert missed.tolist() == [False, True, False]
-    assert not claray.inside(bvh, NAN, nan="miss")[1]
+    assert not claray.inside(bvh, NAN, nan="miss", open="vote")[1]
 
 
 def test_signed_distances_of_a_ball(ball):
@@ -75,6 +77,58 @@ def test_signed_distances_of_a_ball(ball):
     short = claray.signed_distance(ball, points, reach=0.25)
     far = np.abs(distance) > 0.25
     assert (short[far] == np.where(inside, -0.25, 0.25)[far]).all() and (short[~far] == distance[~far]).all()
+
+
+def test_open_meshes_are_told_of(ball):
+    trimesh = pytest.importorskip("trimesh")
+    mesh = trimesh.creation.icosphere(subdivisions=3)
+    bowl = claray.Bvh(mesh.vertices, mesh.faces[mesh.triangles_center[:, 2] < 0.8])
+    assert ball.is_closed and not bowl.is_closed
+    points = [[0, 0, 0], [0, 0, 3]]
+    for query in (claray.inside, claray.signed_distance):
+        with pytest.warns(UserWarning, match="^bvh: the mesh is not closed.*open='vote'") as caught:
+            by_one_ray = query(bowl, points)
+        assert caught[0].filename == __file__
+        refused("bvh", lambda: query(bowl, points, open="raise"), "not closed.*vote")
+        refused("open", lambda: query(bowl, points, open="ignore"), "warn, raise, vote")
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            by_vote = query(bowl, points, open="vote")
+            for open in ("raise", "warn", "vote"):
+                assert (query(ball, points, open=open) == query(ball, points)).all()
+        if query is claray.inside:
+            assert by_one_ray.tolist() == [False, False] and by_vote.tolist() == [True, False]
+        else:
+            assert by_one_ray[0] > 0 > by_vote[0] == -by_one_ray[0] and by_vote[1] == by_one_ray[1] > 0
+    ball.refit(np.asarray(mesh.vertices) * 2)
+    assert ball.is_closed
+    ball.refit(mesh.vertices)
+
+
+def test_gentle_terrain_contains_nothing_by_vote():
+    n = 9
+    x, y = np.meshgrid(np.arange(n), np.arange(n), indexing="ij")
+    vertices = np.column_stack([x.ravel(), y.ravel(), np.random.default_rng(0).uniform(0, 0.2, n * n)])
+    corner = (x[:-1, :-1] * n + y[:-1, :-1]).ravel()
+    bvh = claray.Bvh(vertices, np.concatenate([np.column_stack([corner, corner + n, corner + n + 1]),
+                                               np.column_stack([corner, corner + n + 1, corner + 1])]))
+    assert not bvh.is_closed
+    points = np.random.default_rng(1).uniform([0, 0, -2], [8, 8, -0.2], (500, 3))
+    with pytest.warns(UserWarning, match="not closed"):
+        assert claray.inside(bvh, points).sum() > 400  # by one ray, which goes upwards
+    assert not claray.inside(bvh, points, open="vote").any()
+    assert (claray.signed_distance(bvh, points, open="vote") > 0).all()
+
+
+def test_closed_lists_hold_all_that_a_ray_touches():
+    square = claray.Bvh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
+    places = [[0.5, 0.5, 1], [0, 0, 1], [1, 0, 1], [0.5, 0, 1], [0.7, 0.2, 1], [2, 0, 1]]
+    counts = [2, 2, 1, 1, 1, 0]
+    assert claray.count_hits(square, places, (0, 0, -1), closed=True).tolist() == counts
+    assert claray.all_hits(square, places, (0, 0, -1), closed=True).counts.tolist() == counts
+    nearest = claray.nearest_hits(square, places, (0, 0, -1), most=2, closed=True)
+    assert (nearest["primitive"] != claray.MISS).sum(axis=1).tolist() == counts
+    assert claray.count_hits(square, places, (0, 0, -1)).max() == 1
 
 
 def test_all_hits_equal_a_walk_behind_each_hit(soup, rays):
@@ -138,6 +192,7 @@ def test_overlaps_equal_a_brute_force(soup):
     assert claray.sphere_overlaps(bvh, [[0, 0, 0]], 9)[0].tolist() == list(range(300))
 
 
+@pytest.mark.filterwarnings("ignore:bvh. the mesh is not closed")
 def test_wrong_arguments_are_named(soup, rays):
     _, _, bvh = soup
     origins, directions = rays

@@ -100,6 +100,42 @@ def test_one_origin_or_direction_for_all(soup, rays):
     assert (down == claray.any_hit(bvh, rays[0], np.tile([0, 0, -1], (777, 1)))).all()
 
 
+def test_rays_in_rows_and_columns(soup, rays):
+    """As the pixels of an image have them."""
+    _, _, bvh = soup
+    shape = (37, 21)
+    origins, directions = (array.reshape(*shape, 3) for array in rays)
+    expected = claray.closest_hit(bvh, *rays).reshape(shape)
+    for given in (origins, origins.astype(np.float64), np.asfortranarray(origins), origins.tolist()):
+        hits = claray.closest_hit(bvh, given, directions)
+        assert hits.shape == shape and (hits == expected).all()
+    eye = (0, 0.1, 3)
+    assert (claray.closest_hit(bvh, eye, directions).ravel() == claray.closest_hit(bvh, eye, rays[1])).all()
+    assert claray.closest_hit(bvh, origins[:, ::2], directions[:, ::2]).shape == (37, 11)
+    packed = claray.rays(origins, directions)
+    assert packed.shape == shape and (claray.closest_hit(bvh, packed) == expected).all()
+    assert (claray.closest_hit(bvh, packed.view(np.float32).reshape(*shape, 8).copy()) == expected).all()
+    out = np.empty(shape, claray.HIT)
+    assert claray.closest_hit(bvh, origins, directions, out=out) is out and (out == expected).all()
+    ends = np.where(np.isfinite(expected["t"]), expected["t"] / 2, 1)
+    assert not claray.any_hit(bvh, origins, directions, tmax=ends, masks=np.full(shape, 1)).any()
+    assert (claray.count_hits(bvh, origins, directions).ravel() == claray.count_hits(bvh, *rays)).all()
+    nearest = claray.nearest_hits(bvh, origins, directions, most=2)
+    assert nearest.shape == (*shape, 2) and (nearest.reshape(-1, 2) == claray.nearest_hits(bvh, *rays, most=2)).all()
+    assert (claray.all_hits(bvh, origins, directions).elements == claray.all_hits(bvh, *rays).elements).all()
+    assert claray.unoccluded(bvh, origins, eye).shape == shape
+    for query in (claray.nearest_point, claray.inside, claray.signed_distance):
+        options = {} if query is claray.nearest_point else {"open": "vote"}
+        found = query(bvh, origins, **options)
+        assert found.shape == shape and (found.ravel() == query(bvh, rays[0], **options)).all()
+    assert (claray.sphere_overlaps(bvh, origins, np.full(shape, 0.1)).elements
+            == claray.sphere_overlaps(bvh, rays[0], 0.1).elements).all()
+    placed = claray.InstancedBvh(bvh, np.eye(4)[None])
+    assert (claray.closest_hit(placed, origins, directions)["primitive"] == expected["primitive"]).all()
+    one = claray.closest_hit(bvh, rays[0][0], rays[1][0])
+    assert one.shape == (1,) and one[0] == expected[0, 0]
+
+
 @pytest.mark.parametrize("learns", [None, False, True])
 def test_a_structure_that_learns_has_the_same_hits(soup, rays, learns):
     vertices, triangles, bvh = soup

@@ -76,6 +76,76 @@ def test_rays_on_surfaces_and_silhouettes():
     assert not own.intersects_any([[0.3, 0.1, 1 + 1e-5]], [[0, 0, 1]]).any()
 
 
+def sheet(n):
+    """A square of n x n squares of size 1, in the plane z = 0."""
+    x, y = np.meshgrid(np.arange(n + 1.0), np.arange(n + 1.0), indexing="ij")
+    corner = np.arange((n + 1) ** 2).reshape(n + 1, n + 1)
+    a, b, c, d = corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:], corner[:-1, 1:]
+    faces = np.concatenate([np.stack([a, b, c], axis=-1).reshape(-1, 3), np.stack([a, c, d], axis=-1).reshape(-1, 3)])
+    return trimesh.Trimesh(np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)]), faces, process=False)
+
+
+def test_hits_on_borders_are_kept_once():
+    """Rays at every corner of a sheet, also of one behind another, from both sides."""
+    mesh = sheet(12)
+    behind = trimesh.util.concatenate([mesh, mesh.copy().apply_translation([0, 0, -1]), mesh.copy().apply_translation([3, 3, -2])])
+    for z, towards in ((5.0, -1.0), (-5.0, 1.0)):
+        origins, directions = mesh.vertices + [0, 0, z], np.tile([0, 0, towards], (len(mesh.vertices), 1))
+        own = RayMeshIntersector(mesh)
+        locations, rays, _ = own.intersects_location(origins, directions)
+        assert sorted(rays) == list(range(169)) and own.intersects_any(origins, directions).all()
+        np.testing.assert_allclose(locations[np.argsort(rays)], mesh.vertices, atol=1e-12)
+        _, rays, triangles = RayMeshIntersector(behind).intersects_location(origins, directions)
+        both = (mesh.vertices[:, :2] >= 3).all(axis=1)
+        assert (np.bincount(rays, minlength=169) == 2 + both).all()
+        assert (np.bincount(rays[triangles < len(mesh.faces)], minlength=169) == 1).all()
+
+
+def test_every_ray_that_hits_anything_has_a_location():
+    """Through corners and edges, which rays touch from all sides."""
+    box = trimesh.creation.box(extents=[2, 2, 2]).subdivide()
+    targets = np.concatenate([box.vertices, box.vertices[box.edges_unique].mean(axis=1)])
+    for direction in ([0, 0, -1], [1, 0, 0], [0, 1, 0], [1, 1, 0], [1, -1, 0], [1, 1, 1], [2, -1, 1]):
+        directions = np.tile(np.array(direction, float), (len(targets), 1))
+        own = RayMeshIntersector(box)
+        hit = own.intersects_any(targets - 4 * directions, directions)
+        _, rays, triangles = own.intersects_location(targets - 4 * directions, directions)
+        counts = np.bincount(rays, minlength=len(targets))
+        assert ((counts > 0) == hit).all() and hit.sum() > len(targets) / 4 and counts.max() <= 2
+        first = own.intersects_first(targets - 4 * directions, directions)
+        assert ((first >= 0) == hit).all()
+
+
+def test_far_pieces_spoil_nothing():
+    ball = trimesh.creation.icosphere(subdivisions=3)
+    rng = np.random.default_rng(7)
+    directions = rng.normal(size=(300, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    for places in ([[0, 0, 0], [1e7, 0, 0]], [[0, 0, 0], [1e9, 1e9, -1e9]], [[0, 0, 0], [1e7, 0, 0], [0, 1e8, 0], [-1e9, 0, 3]],
+                   [[5e6, 4e6, 0], [0, 0, 0], [5, 0, 0]]):
+        own = RayMeshIntersector(trimesh.util.concatenate([ball.copy().apply_translation(p) for p in places]))
+        for number, place in enumerate(np.array(places, float)):
+            origins = place - 1.5 * directions
+            locations, rays, triangles = own.intersects_location(origins, directions)
+            near = triangles // len(ball.faces) == number
+            assert (np.bincount(rays[near], minlength=300) == 2).all()
+            radii = np.linalg.norm(locations[near] - place, axis=1)
+            assert 0.99 < radii.min() and radii.max() < 1.001
+            assert (own.intersects_first(origins, directions) // len(ball.faces) == number).all()
+            assert own.contains_points([place, place + [0, 0, 1.5]]).tolist() == [True, False]
+
+
+def test_hits_of_several_pieces_are_in_order():
+    """A ray through small balls at distances of 0, 1e4 and 1e6, and past one beside it."""
+    ball = trimesh.creation.icosphere(subdivisions=2)
+    at = [[0, 0, 0], [1e4, 0, 0], [1e6, 0, 0], [1e4, 1e5, 0]]
+    own = RayMeshIntersector(trimesh.util.concatenate([ball.copy().apply_translation(p) for p in at]))
+    triangles, rays = own.intersects_id([[2e6, 0.1, 0.2], [-5, 0.1, 0.2]], [[-1, 0, 0], [1, 0, 0]])
+    pieces = triangles // len(ball.faces)
+    assert pieces[rays == 0].tolist() == [2, 2, 1, 1, 0, 0] and pieces[rays == 1].tolist() == [0, 0, 1, 1, 2, 2]
+    assert len(own.intersects_id([[-5, 0.1, 0.2]], [[1, 0, 0]], max_hits=3)[0]) == 3
+
+
 def test_meshes_change_and_are_copied(nested):
     mesh = trimesh.creation.box()
     own = RayMeshIntersector(mesh)

@@ -354,5 +354,26 @@ TEST_P(QueryTest, OfManySheetsInOnePlaneTheFirstWins) {
 INSTANTIATE_TEST_SUITE_P(Layouts, QueryTest, testing::Values(Layout::binary, Layout::wide),
                          [](const auto& layout) { return layout.param == Layout::binary ? "Binary" : "Wide"; });
 
+TEST(QueryBuffers, OfAnotherContextAreRefused) {
+    const Mesh mesh = grid(1);
+    const Bvh bvh = Bvh::build(device(), std::span(&mesh, 1));
+    const Device stranger = Device::open(std::to_string(device().info().index));
+    const std::vector<Ray> rays = {make_ray({0.3f, 0.4f, 9}, {0, 0, -1})};
+    const Buffer<Ray> own(device(), rays), foreign(stranger, rays);
+    Buffer<Hit> hits(device(), 1), foreign_hits(stranger, 1);
+    Buffer<std::uint8_t> foreign_bytes(stranger, 1);
+    QueryOptions masked;
+    masked.ray_masks = Buffer<std::uint32_t>(stranger, 1);
+    const auto refused = [](const auto& call) { return throws_error(ErrorKind::usage, "another context", call); };
+    EXPECT_TRUE(refused([&] { closest_hit(bvh, foreign, hits); }));
+    EXPECT_TRUE(refused([&] { closest_hit(bvh, own, foreign_hits); }));
+    EXPECT_TRUE(refused([&] { closest_hit(bvh, own, hits, masked); }));
+    EXPECT_TRUE(refused([&] { any_hit(bvh, own, foreign_bytes); }));
+    const TriangleBuffers buffers = {Buffer<float>(stranger, 9), Buffer<std::uint32_t>(stranger, 3)};
+    EXPECT_TRUE(refused([&] { static_cast<void>(Bvh::build(device(), buffers)); }));
+    closest_hit(bvh, own, hits);
+    EXPECT_EQ(hits.read()[0].t, 9.f);
+}
+
 }  // namespace
 }  // namespace claray::test

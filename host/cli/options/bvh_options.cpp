@@ -23,7 +23,8 @@ void add_bvh_options(CLI::App& command, Bvh::Config& config) {
                     "Builder of the tree: " + builders_with_notes() + " [" + traits_of(config.builder).name + "]")
         ->transform(choice_of(measure::builders_and_automatic()))
         ->type_name("NAME");
-    command.add_option("--layout", config.layout, "Layout of the tree for tracing: auto, binary or wide [auto]")
+    command
+        .add_option("--layout", config.layout, "Layout of the tree for tracing: automatic, binary or wide [automatic]")
         ->transform(choice_of(measure::layouts))
         ->type_name("NAME");
 }

@@ -46,12 +46,13 @@ void add_image_options(CLI::App& command, RenderOptions& o) {
         ->transform(choice_of(tone_maps))
         ->type_name("NAME");
     const std::vector<std::pair<std::string, DenoiserKind>> denoisers = {
-        {"auto", DenoiserKind::automatic}, {"claray", DenoiserKind::claray}, {"oidn", DenoiserKind::oidn}};
+        {"automatic", DenoiserKind::automatic}, {"claray", DenoiserKind::claray}, {"oidn", DenoiserKind::oidn}};
     command
         .add_flag(
-            "--denoise{auto}", o.denoiser,
+            "--denoise{automatic}", o.denoiser,
             "Remove noise from the image, in the time of one to five samples. --denoise=claray: claray's kernels;\n"
-            "=oidn: Open Image Denoise; =auto: the latter if it is installed. Blurs faint shadows and reflections\n"
+            "=oidn: Open Image Denoise; =automatic: the latter if it is installed. Blurs faint shadows and "
+            "reflections\n"
             "in rough metal, but no textures (see docs/denoise.md)")
         ->transform(choice_of(denoisers));
     command

@@ -9,6 +9,7 @@
 #include "host/base/in_parallel.hpp"
 #include "host/compute/device_error.hpp"
 #include "host/compute/device_state.hpp"
+#include "host/compute/fork.hpp"
 #include "host/compute/memory.hpp"
 #include "host/compute/programs/build_report.hpp"
 #include "host/compute/programs/compiler_processes.hpp"
@@ -268,6 +269,17 @@ cl::Program timed_compile(const Device& device, const KernelSource& main, const 
     return program;
 }
 
+/// Throws ErrorKind::usage, with the names that there are, for an unknown one.
+cl::Kernel kernel_called(const std::string& function, const cl::Program& program, const std::string& path) try {
+    return {program, function.c_str()};
+} catch (const cl::Error& error) {
+    if (error.err() != CL_INVALID_KERNEL_NAME) throw;
+    std::string names = program.getInfo<CL_PROGRAM_KERNEL_NAMES>();
+    replace_all(names, ";", ", ");
+    throw Error(ErrorKind::usage, "'" + path + "' has no kernel '" + function + "'",
+                names.empty() ? "write 'kernel void' before its name" : "its kernels are " + names);
+}
+
 Kernel kernel_of(const Device& device, const KernelSource& main, const std::string& function, const Defines& defines,
                  Math math, bool user_source) try {
     const std::string options = build_options(device, defines, math);
@@ -275,7 +287,7 @@ Kernel kernel_of(const Device& device, const KernelSource& main, const std::stri
     auto& programs = device.state().programs;
     auto found = programs.find(key);
     if (found == programs.end()) found = programs.emplace(key, timed_compile(device, main, options)).first;
-    Kernel kernel(device, cl::Kernel(found->second, function.c_str()), function);
+    Kernel kernel(device, kernel_called(function, found->second, main.path), function);
     if (!user_source) kernel.check_arguments(device.state().parameters[found->second()]);
     return kernel;
 } catch (const cl::Error& error) {
@@ -334,6 +346,13 @@ void Kernel::check_buffer(unsigned index, const char* type) {
                     "write arg(\"" + parameter.name + "\", ...)");
 }
 
+void Kernel::check_context(unsigned index, const Device& of_buffer) const {
+    if (!device_ || of_buffer.context()() == device_->context()()) return;
+    const std::string name = name_of_argument_ ? "'" + std::string(name_of_argument_) + "'" : std::to_string(index);
+    throw Error(ErrorKind::usage, "argument " + name + " of the kernel " + name_ + " is a buffer of another context",
+                "make it with the device on which the kernel runs");
+}
+
 void Kernel::check_name(unsigned index) {
     const char* name = std::exchange(name_of_argument_, nullptr);
     if (name == nullptr || !parameters_ || index >= parameters_->size() || (*parameters_)[index].name == name) return;
@@ -352,6 +371,7 @@ void Kernel::set_argument(unsigned index, std::size_t bytes, const void* value) 
 
 void Kernel::enqueue(Range range, unsigned arguments) try {
     if (!device_) throw Error(ErrorKind::usage, "cannot run a kernel that was never loaded");
+    refuse_if_forked();
     const auto expected = kernel_.getInfo<CL_KERNEL_NUM_ARGS>();
     if (arguments != expected)
         throw Error(ErrorKind::usage, "the kernel " + name_ + " takes " + std::to_string(expected) + " arguments, " +

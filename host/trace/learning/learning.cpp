@@ -8,6 +8,7 @@
 
 #include "host/base/random.hpp"
 #include "host/bvh/bvh_state.hpp"
+#include "host/compute/fork.hpp"
 #include "host/trace/learning/better_tree.hpp"
 #include "host/trace/learning/comparison.hpp"
 
@@ -40,6 +41,10 @@ public:
         config_.layout = bvh.layout();
     }
     ~LearningSearch() override {
+        if (is_forked()) {  // without the thread, which may hold any lock
+            if (builder_.joinable()) builder_.detach();
+            return;
+        }
         stop();
         if (builder_.joinable()) builder_.join();
     }

@@ -10,7 +10,7 @@ namespace {
 
 Kernel load(const Bvh& bvh, const QueryOptions& options, const Schedule& schedule) {
     QueryOptions used;
-    used.cull_back_faces = options.cull_back_faces, used.ray_masks = options.ray_masks;
+    used.cull_back_faces = options.cull_back_faces, used.closed = options.closed, used.ray_masks = options.ray_masks;
     return load_filtered(bvh.device(), "trace/lists/all_hits.cl", "collect_hits",
                          schedule.with(query_defines(triangle_defines(bvh), used)), options.filter);
 }

@@ -25,18 +25,18 @@ struct PrimitiveSet {
         flat_curves = CLARAY_FLAT_CURVES,      ///< ribbons along B-splines that face every ray
         flat_bezier_curves = CLARAY_FLAT_BEZIER_CURVES,
     };
-    std::string name;
+    std::string name = {};
     Kind kind = Kind::spheres;
     /// Sphere: centre and radius. Disc: centre and radius; normal (of any length) and radius of the hole (0: none).
     /// Cylinder: one end and radius; the other end and 1 for closed ends or 0 for a tube. Curves: control points, each
     /// a place and the radius there. Primitives that are not finite or have no radius are left out.
-    std::vector<glm::vec4> points;
+    std::vector<glm::vec4> points = {};
     /// Of curves: for each primitive the index of its first control point, of four in a row.
-    std::vector<std::uint32_t> segments;
+    std::vector<std::uint32_t> segments = {};
     /// Linear RGB that multiplies the albedo, two per primitive: at the begin and at the end of a curve or of a
     /// cylinder's axis, the first for spheres and discs. 0..1; empty: white.
-    std::vector<glm::vec3> colors;
-    std::vector<std::uint32_t> materials;  ///< per primitive, indices into Scene::materials; empty: material 0
+    std::vector<glm::vec3> colors = {};
+    std::vector<std::uint32_t> materials = {};  ///< per primitive, indices into Scene::materials; empty: material 0
 };
 
 struct PrimitiveKindName {

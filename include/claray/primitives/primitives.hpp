@@ -12,9 +12,9 @@ namespace claray {
 /// A kind of primitive: OpenCL C that defines the functions `bounds_of` and `intersect` of
 /// kernels/primitives/primitive.clh, and usually begins with #include "primitives/primitive.clh".
 struct PrimitiveKind {
-    std::string name;     ///< appears in the compiler's messages
-    std::string source;   ///< the text; it may include claray's device headers
-    unsigned floats = 0;  ///< per primitive in the data; 0: the data is not so regular
+    std::string name = {};    ///< appears in the compiler's messages
+    std::string source = {};  ///< the text; it may include claray's device headers
+    unsigned floats = 0;      ///< per primitive in the data; 0: the data is not so regular
     /// The boxes are those of capsules around the primitives, which reject more rays
     /// (kernels/primitives/primitive.clh).
     bool capsules = false;

@@ -80,6 +80,27 @@ void crossings(CLARAY_BVH_PARAMETERS, global const float* points, uint count, gl
     }
 }
 
+/// Rays from points in one direction.
+kernel void rays_from_points(global const float* points, uint count, float x, float y, float z, global Ray* rays) {
+    const uint i = get_global_id(0);
+    if (i >= count) return;
+    const float3 at = vload3(i, points);
+    const Ray ray = {at.x, at.y, at.z, 0.0f, x, y, z, INFINITY};
+    rays[i] = ray;
+}
+
+/// Adds a vote where a ray crossed the surface an odd number of times.
+kernel void add_votes(global const uint* counts, uint count, global uint* votes) {
+    const uint i = get_global_id(0);
+    if (i < count) votes[i] += counts[i] & 1u;
+}
+
+/// 1 where more than half of the votes are for inside, else 0.
+kernel void decide_votes(global uint* votes, uint count, uint voters) {
+    const uint i = get_global_id(0);
+    if (i < count) votes[i] = 2 * votes[i] > voters ? 1 : 0;
+}
+
 /// 1 where a number is odd, else 0.
 kernel void parities(global const uint* counts, uint count, global uchar* odd) {
     const uint i = get_global_id(0);

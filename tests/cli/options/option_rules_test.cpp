@@ -64,7 +64,7 @@ TEST(OptionRules, MessagesNameTheChoicesAndTheRange) {
     const auto says = [](const std::vector<std::string>& arguments, const std::string& words) {
         EXPECT_TRUE(in_own_words(run_claray(arguments), words));
     };
-    says({"render", "cornell", "--layout", "tall"}, "--layout: unknown name 'tall'; choose auto, binary or wide");
+    says({"render", "cornell", "--layout", "tall"}, "--layout: unknown name 'tall'; choose automatic, binary or wide");
     says({"render", "cornell", "--noise", "0"}, "--noise: '0' is not a number of more than 0");
     says({"render", "cornell", "--exposure", "1e39"}, "--exposure: '1e39' is not a number; write it as in -1.5");
     says({"render", "cornell", "--spp", "16777217"}, "--spp: '16777217' is not a whole number in 1..16777216");

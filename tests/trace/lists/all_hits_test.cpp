@@ -177,6 +177,21 @@ TEST_P(AllHitsTest, AreThoseOfARangeOfMeshes) {
     EXPECT_EQ(any_hit(bvh, rays, options)[0], 0);
 }
 
+/// The middle of a sheet of 2 x 2 squares is a vertex of six triangles.
+TEST_P(AllHitsTest, OfClosedTrianglesAreAllThatARayTouches) {
+    const Bvh bvh = build(grid(2), Builder::high);
+    const auto down = [](float x, float y) { return make_ray({x, y, 1}, {0, 0, -1}); };
+    const std::vector<Ray> rays = {down(0.5f, 0.5f), down(0.25f, 0.5f), down(0.2f, 0.1f),
+                                   down(0, 0.25f),   down(1, 0.25f),    down(1.5f, 0.5f)};
+    const QueryOptions closed = {.closed = true};
+    EXPECT_EQ(count_hits(bvh, rays, closed), (std::vector<std::uint32_t>{6, 2, 1, 1, 1, 0}));
+    const std::vector<std::uint32_t> counts = count_hits(bvh, rays);
+    EXPECT_EQ((std::vector<std::uint32_t>(counts.begin(), counts.begin() + 3)), (std::vector<std::uint32_t>{1, 1, 1}));
+    EXPECT_EQ(counts[3] + counts[4], 1u) << "half open: one of opposite borders";
+    const HostLists<Hit> lists = all_hits(bvh, rays, closed);
+    EXPECT_EQ(lists.offsets.back(), 11u);
+}
+
 TEST_P(AllHitsTest, OfNothingAreNone) {
     const std::vector<Ray> rays = {make_ray({0, 0, 3}, {0, 0, -1}), make_ray({0, 0, 3}, {0, 0, 0})};
     EXPECT_EQ(count_hits(build(Mesh{}), rays), (std::vector<std::uint32_t>{0, 0}));

@@ -153,6 +153,36 @@ TEST_P(InsideTest, SignsDistances) {
     EXPECT_EQ(distances[2], 4.f);
 }
 
+/// A ball without its top: upwards, rays leave through the hole.
+TEST_P(InsideTest, MostRaysDecideWhereTheMeshIsOpen) {
+    Mesh bowl = sphere(3);
+    std::erase_if(bowl.triangles, [&](const glm::uvec3& t) { return bowl.positions[t.x].z > 0.8f; });
+    const Bvh bvh = build(bowl);
+    const std::vector<glm::vec3> points = {{0, 0, 0}, {0.2f, 0.1f, -0.3f}, {0, 0, 3}, {1.1f, 0, 0}};
+    const PointOptions vote = {.vote = true};
+    EXPECT_EQ(inside(bvh, points), (std::vector<std::uint8_t>{0, 0, 0, 0}));
+    EXPECT_EQ(inside(bvh, points, vote), (std::vector<std::uint8_t>{1, 1, 0, 0}));
+    const std::vector<float> by_vote = signed_distance(bvh, points, vote), by_one = signed_distance(bvh, points);
+    EXPECT_LT(by_vote[0], 0);
+    EXPECT_EQ(by_vote[0], -by_one[0]);
+    EXPECT_EQ(by_vote[2], by_one[2]);
+}
+
+TEST_P(InsideTest, ASheetContainsNothingByVote) {
+    const Bvh bvh = build(grid(8));
+    const std::vector<glm::vec3> points = {{0.4f, 0.3f, -0.1f}, {0.4f, 0.3f, -1e-4f}, {0.4f, 0.3f, 1e-4f}};
+    EXPECT_EQ(inside(bvh, points), (std::vector<std::uint8_t>{1, 1, 0}));
+    EXPECT_EQ(inside(bvh, points, {.vote = true}), (std::vector<std::uint8_t>{0, 0, 0}));
+}
+
+TEST_P(InsideTest, OneRayDecidesForClosedMeshesInAnyCase) {
+    const Bvh bvh = build(sphere(2));
+    Random random(5);
+    std::vector<glm::vec3> points;
+    for (int i = 0; i < 300; ++i) points.push_back(random.in_cube(1.2f));
+    EXPECT_EQ(inside(bvh, points, {.vote = true}), inside(bvh, points));
+}
+
 TEST_P(InsideTest, IsNothingWithoutPointsOrMesh) {
     EXPECT_TRUE(inside(build(sphere(1)), std::vector<glm::vec3>{}).empty());
     EXPECT_EQ(inside(build(Mesh{}), std::vector<glm::vec3>{{0, 0, 0}})[0], 0);
