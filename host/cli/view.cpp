@@ -89,7 +89,7 @@ void look(const LiveOptions& options) {
         config.picture.exposure = exposure_for_lights(scene, float(config.render.width) / float(config.render.height));
     config.animation = animation_of(options, first);
     view::View view(device, std::move(scene), config);
-    const InterruptGuard guard;
+    const InterruptGuard guard(Interrupts::commands);
     const auto goes_on = [] { return !InterruptGuard::interrupted(); };
     if (!options.script.empty()) return replay(view, script, options);
     if (options.window) return view::run_in_window(view, goes_on);

@@ -228,7 +228,9 @@ Denoised denoise(const Renderer& renderer, const RenderOptions& options) {
     if (!options.denoiser) return {};
     const DenoiserKind kind = picked_denoiser(*options.denoiser);
     const auto begin = std::chrono::steady_clock::now();
-    Denoised denoised{renderer.denoised(kind), kind == DenoiserKind::oidn ? "Open Image Denoise" : "claray"};
+    Denoised denoised{{}, kind == DenoiserKind::oidn ? "Open Image Denoise" : "claray"};
+    if (!options.quiet) std::fprintf(stderr, "denoising by %s\n", denoised.by);
+    denoised.image = renderer.denoised(kind);
     denoised.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return denoised;
 }
@@ -279,10 +281,13 @@ void tell_of_idle_options(const Renderer& renderer, const RenderOptions& options
         print_warning(
             "--adaptive changed nothing: all pixels have the same number of samples, because rounds begin after "
             "16 samples per pixel and only where the error differs between tiles");
-    if (options.asks_for_guiding && !s.guided)
-        print_warning(
-            "--guide changed nothing: no path was guided, because it needs a CPU, more than 8 samples per pixel, "
-            "16,384 pixels, Lambert surfaces and light that guided paths find with less noise");
+    if (options.asks_for_guiding && !s.guided) {
+        const std::string why = renderer.why_unguided();
+        print_warning("--guide changed nothing: " +
+                      (why.empty() ? "no path was guided, because it needs a CPU, more than 8 samples per pixel, "
+                                     "16,384 pixels and light that guided paths find with less noise"
+                                   : why));
+    }
 }
 
 void print_as_text(const Device& device, const Renderer& renderer, const RenderOptions& options, const Outcome& outcome,
@@ -299,7 +304,8 @@ void print_as_text(const Device& device, const Renderer& renderer, const RenderO
     print_shares(shares);
     if (*denoised.by) std::printf("denoised by %s in %.2f s\n", denoised.by, denoised.seconds);
     tell_cut_off(renderer, options.config.max_depth);
-    if (const std::string why = renderer.why_unguided(); !why.empty()) std::printf("%s\n", why.c_str());
+    if (const std::string why = renderer.why_unguided(); !options.asks_for_guiding && !why.empty())
+        std::printf("%s\n", why.c_str());
     if (plan && tells_plan(options)) {
         const char* verdict = outcome.interrupted ? "stopped" : is_kept(*plan, p) ? "reached" : "missed";
         std::printf("%s: %s\n", verdict, account_of(*plan, p).c_str());
@@ -367,7 +373,7 @@ void print_as_json(const Device& device, const Renderer& renderer, const RenderO
                             {"kept", !outcome.interrupted && is_kept(*plan, outcome.progress)},
                             {"reached", account_of(*plan, outcome.progress)}};
     if (!shares.empty()) report["devices"] = as_json(shares);
-    print_json(report);
+    options.animation ? print_json_line(report) : print_json(report);
 }
 
 }  // namespace claray::cli
