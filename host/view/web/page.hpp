@@ -102,9 +102,10 @@ inline constexpr const char* page_template = R"page(<!doctype html>
         if (answer.status === 204) continue;  // nothing is new
         if (!answer.ok) throw answer;
         seen = answer.headers.get("Frame-Number");
-        const before = view.src;
-        view.src = URL.createObjectURL(await answer.blob());
-        await view.decode();
+        const next = new Image(), before = view.src;
+        next.src = URL.createObjectURL(await answer.blob());
+        await next.decode();  // so that the image is never blank
+        view.src = next.src;
         URL.revokeObjectURL(before);
       } catch {
         await pause(0.5);

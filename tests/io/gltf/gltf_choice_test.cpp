@@ -81,7 +81,7 @@ TEST_F(GltfChoice, ALiveViewKnowsObjects) {
     }
     builder.root["nodes"][1]["mesh"] = 0;  // shown twice
     EXPECT_EQ(objects(), "0 hero, 1 hero, 0 side, 1 side, 2 hero (node 2), 3 node 3, ");
-    EXPECT_EQ(load({.live = true}).instances[3].transform[3].x, 2.f);
+    EXPECT_EQ(load({.live = true}).instances.at(3).transform[3].x, 2.f);
     EXPECT_EQ(load().instances.size(), 6u);
 }
 
