@@ -300,8 +300,9 @@ TEST_F(Obj, EmptyFileIsAnError) {
 }
 
 TEST_F(Obj, FileWithoutFacesIsAnError) {
-    expect_error(ErrorKind::user, {"mesh.obj", "no face"}, [&] { load(unit_square); });
-    expect_error(ErrorKind::user, {"no face"}, [&] {
+    EXPECT_EQ(load(unit_square).primitives.at(0).points.size(), 4u) << "a cloud of points";
+    expect_error(ErrorKind::user, {"mesh.obj", "neither faces nor points"}, [&] { load("vn 0 0 1\n"); });
+    expect_error(ErrorKind::user, {"neither faces nor points"}, [&] {
         load(
             std::string("\0\x7f"
                         "ELF\1\2\3",

@@ -156,6 +156,7 @@ void PlyReader::read_header_line(std::string_view line) {
     if (word == "obj_info" || word.empty()) return;
     if (word == "element") return add_element(line);
     if (word == "property") return add_property(line);
+    if (elements_.empty()) return;  // "Created by", by old versions of Blender
     refuse("unknown statement '" + std::string(word) + "' in the header", "export the mesh again");
 }
 

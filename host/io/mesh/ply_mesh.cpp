@@ -86,9 +86,12 @@ void PlyMesh::read_faces(const PlyElement& element) {
     PlyColors colors(element);
     split(uvs >= 0, colors.any());
     for (std::uint64_t i = 0; i < element.count; ++i) {
+        const std::size_t long_lines = reader_->long_lines().count;
         reader_->read_row(element, row_, lists_);
         if (uvs >= 0) face_.uvs = &lists_[std::size_t(uvs)];
-        if (colors.any()) face_.color = colors.of(row_);
+        // Some versions of MeshLab write other colours than their header states.
+        const bool is_long = reader_->long_lines().count > long_lines;
+        if (colors.any()) face_.color = is_long ? glm::vec4(glm::vec3(INFINITY), 1.f) : colors.of(row_);
         const double last = double(reader_->images().size()) - 1;
         if (image >= 0 && last > 0) face_.image = std::uint32_t(std::clamp(at(row_, image), 0.0, last));
         add_polygon(lists_[std::size_t(indices)]);

@@ -1,5 +1,6 @@
 // The text of an MTL, brought into the spelling and order that tinyobjloader knows.
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <span>
 #include <sstream>
@@ -212,13 +213,27 @@ private:
         return keyword.holds == Holds::color && given == 1 ? result + result + result : result;
     }
 
-    [[nodiscard]] bool has(std::string_view keyword) const {
-        return std::any_of(statements_.begin(), statements_.end(), [&](const auto& s) { return s.first == keyword; });
+    /// What follows a keyword in the material, the first time; null: it is not there.
+    [[nodiscard]] const std::string* find(std::string_view keyword) const {
+        const auto found = std::find_if(statements_.begin(), statements_.end(),
+                                        [&](const auto& statement) { return statement.first == keyword; });
+        return found == statements_.end() ? nullptr : &found->second;
+    }
+    [[nodiscard]] bool has(std::string_view keyword) const { return find(keyword) != nullptr; }
+
+    /// Many programs write "d 1" and "Tr 0", which say the same.
+    [[nodiscard]] bool contradicts_itself() const {
+        const auto number = [&](const char* keyword) {
+            std::string_view rest = *find(keyword);
+            return number_in(next_word(rest)).value_or(0);
+        };
+        return std::abs(number("d") + number("Tr") - 1) > 1e-3;
     }
 
     void end_material() {
         const bool both = has("d") && has("Tr");
-        if (both) warnings_.push_back(where() + "its material has both d and Tr: Tr is ignored");
+        if (both && contradicts_itself())
+            warnings_.push_back(where() + "its material has both d and Tr: Tr is ignored");
         const bool needs_white = has("map_Kd") && !has("Kd"), needs_illum = in_material_ && !has("illum");
         for (const auto& [keyword, content] : statements_) {
             if (both && keyword == "Tr") continue;

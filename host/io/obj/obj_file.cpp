@@ -3,14 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
-#include <initializer_list>
 #include <istream>
 #include <map>
 #include <optional>
 #include <span>
 #include <sstream>
-#include <streambuf>
 #include <unordered_map>
 #include <utility>
 
@@ -18,6 +15,7 @@
 #include "host/io/image/color.hpp"
 #include "host/io/obj/mtl.hpp"
 #include "host/io/obj/obj_corner.hpp"
+#include "host/io/obj/obj_lines.hpp"
 #include "host/io/scene_textures.hpp"
 #include "host/io/text_file.hpp"
 #include "host/io/words.hpp"
@@ -27,106 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using std::to_string;
-
-std::string_view trim(std::string_view text) {
-    const std::size_t begin = text.find_first_not_of(" \t\r\n");
-    if (begin == std::string_view::npos) return {};
-    return text.substr(begin, text.find_last_not_of(" \t\r\n") - begin + 1);
-}
-
-/// Statements that are left out, of one kind: how many, and the first.
-struct LeftOut {
-    std::size_t count = 0, line = 0;
-    std::string keyword;
-
-    void add(std::string_view word, std::size_t at) {
-        if (count++ == 0) line = at, keyword = word;
-    }
-};
-
-/// What a keyword at the beginning of a line asks for.
-enum class Statement { known, stroke, free_form, smoothing, unknown };
-
-/// `rest`: what follows the keyword.
-Statement statement_of(std::string_view keyword, std::string_view rest) {
-    const auto is_one_of = [&](std::initializer_list<std::string_view> words) {
-        return std::find(words.begin(), words.end(), keyword) != words.end();
-    };
-    // Behind "mtllib": what says how others show it, and changes no surface.
-    if (is_one_of({"", "v", "vt", "vn", "f", "g", "o", "usemtl", "mtllib", "mg", "lod", "bevel", "c_interp", "d_interp",
-                   "usemap", "maplib", "shadow_obj", "trace_obj"}))
-        return Statement::known;
-    if (is_one_of({"l", "p"})) return Statement::stroke;
-    if (is_one_of({"vp", "cstype", "deg", "bmat", "step", "curv", "curv2", "surf", "parm", "trim", "hole", "scrv", "sp",
-                   "end", "con", "ctech", "stech"}))
-        return Statement::free_form;
-    if (keyword != "s") return Statement::unknown;
-    const std::string_view group = next_word(rest);
-    return group == "off" || group == "0" ? Statement::known : Statement::smoothing;
-}
-
-/// Hands a text to tinyobjloader line by line, so that callbacks know where they are. Lines that end in a backslash are
-/// joined with the next one, as the format asks for and the parser does not do.
-class LineBuffer : public std::streambuf {
-public:
-    explicit LineBuffer(std::string text) : text_(std::move(text)) {}
-
-    /// Counted from 1; of joined lines the last.
-    [[nodiscard]] std::size_t line() const { return line_; }
-    /// The text of the current line, with its end.
-    [[nodiscard]] std::string_view text() const { return {eback(), std::size_t(egptr() - eback())}; }
-
-    /// A line with the name of a vertex's numbers and none of them, which the parser skips.
-    struct Bare {
-        std::string keyword;
-        std::size_t line = 0;
-    };
-    /// The first such line.
-    [[nodiscard]] const Bare& bare() const { return bare_; }
-    /// Is called at each line of lines or points, which the parser skips. All lines before were parsed.
-    std::function<void()> at_stroke;
-
-    /// What the parser skips without a word.
-    [[nodiscard]] const LeftOut& left_out(Statement kind) const { return left_out_[std::size_t(kind)]; }
-
-protected:
-    int_type underflow() override {
-        if (next_ >= text_.size()) return traits_type::eof();
-        const std::size_t begin = next_, end = std::min(text_.find('\n', begin), text_.size());
-        const bool may_go_on = !is_comment({text_.data() + begin, end - begin});
-        while (join_next_line(begin, may_go_on)) {
-        }
-        char* const data = text_.data();
-        setg(data + begin, data + begin, data + next_);
-        const std::string_view all = trim(text());
-        if (bare_.line == 0 && (all == "v" || all == "vt" || all == "vn")) bare_ = {std::string(all), line_};
-        std::string_view rest = all;
-        const std::string_view keyword = next_word(rest);
-        const Statement kind = statement_of(keyword, rest);
-        if (kind == Statement::stroke)
-            at_stroke();
-        else if (kind != Statement::known)
-            left_out_[std::size_t(kind)].add(keyword, line_);
-        return traits_type::to_int_type(data[begin]);
-    }
-
-private:
-    // Moves past the end of a line that began at `begin`. True where a backslash, which it blanks, joins it with the
-    // next.
-    bool join_next_line(std::size_t begin, bool may_go_on) {
-        const std::size_t end = std::min(text_.find('\n', next_), text_.size());
-        next_ = std::min(end + 1, text_.size());
-        ++line_;
-        if (!may_go_on || end == begin || text_[end - 1] != '\\' || next_ >= text_.size()) return false;
-        std::fill(text_.begin() + std::ptrdiff_t(end) - 1, text_.begin() + std::ptrdiff_t(next_), ' ');
-        return true;
-    }
-
-    std::string text_;
-    std::size_t next_ = 0, line_ = 0;
-    Bare bare_;
-    std::array<LeftOut, 5> left_out_;
-};
 
 /// The names of a line that parts them by blanks, in which a backslash may stand before a blank that is part of a name.
 std::vector<std::string> names_of(std::string_view line) {
@@ -146,7 +44,7 @@ std::vector<std::string> names_of(std::string_view line) {
 /// Reads the MTL files that the OBJ names, from the OBJ's folder or below.
 class MtlReader : public tinyobj::MaterialReader {
 public:
-    MtlReader(const fs::path& obj, const LineBuffer& lines, ObjFile& file, Warnings& warnings)
+    MtlReader(const fs::path& obj, const ObjLines& lines, ObjFile& file, Warnings& warnings)
         : obj_(obj), folder_(obj.parent_path()), lines_(lines), file_(file), warnings_(warnings) {}
 
     // The parser asks for one name after the other until one is found. But the format wants all of them read, and a
@@ -227,7 +125,7 @@ private:
 
     const fs::path& obj_;
     fs::path folder_;
-    const LineBuffer& lines_;
+    const ObjLines& lines_;
     ObjFile& file_;
     Warnings& warnings_;
     std::size_t line_ = 0;  // of the latest mtllib
@@ -256,7 +154,7 @@ std::string shortened(std::string_view name) { return std::string(name.substr(0,
 /// Receives the parser's callbacks.
 class ObjReader {
 public:
-    ObjReader(const fs::path& path, ObjFile& file, LineBuffer& lines)
+    ObjReader(const fs::path& path, ObjFile& file, ObjLines& lines)
         : path_(path), file_(file), lines_(lines), groups_(file.groups), materials_(file.material_names) {
         lines_.at_stroke = [this] { stroke(); };
     }
@@ -272,7 +170,7 @@ private:
     struct Largest {
         int index = -1;
         std::size_t line = 0;
-        LeftOut backwards;  ///< those that count backwards where there is nothing yet
+        ObjLeftOut backwards;  ///< those that count backwards where there is nothing yet
     };
 
     /// What is not finite of one kind, and where the first stands.
@@ -298,7 +196,7 @@ private:
 
     const fs::path& path_;
     ObjFile& file_;
-    LineBuffer& lines_;
+    ObjLines& lines_;
     Names groups_, materials_;
     std::string object_, group_name_;
     std::uint32_t group_ = 0, material_ = 0;
@@ -418,7 +316,7 @@ void ObjReader::face() {
 }
 
 void ObjReader::check_bare_lines() const {
-    const LineBuffer::Bare& bare = lines_.bare();
+    const ObjLines::Bare& bare = lines_.bare();
     if (bare.line != 0) refuse_cut_off(bare.line, bare.keyword, 0, bare.keyword == "vt" ? 1 : 3);
 }
 
@@ -441,18 +339,18 @@ void ObjReader::check_forward_references(Warnings& warnings) {
 }
 
 void ObjReader::warn_of_left_out(Warnings& warnings) const {
-    const auto warn = [&](Statement kind, const char* consequence) {
-        const LeftOut& left_out = lines_.left_out(kind);
+    const auto warn = [&](ObjStatement kind, const char* consequence) {
+        const ObjLeftOut& left_out = lines_.left_out(kind);
         if (left_out.count == 0) return;
         const std::string more = left_out.count > 1 ? " (and " + to_string(left_out.count - 1) + " more)" : "";
         warnings.push_back("'" + path_.string() + "' line " + to_string(left_out.line) + more + ": " +
                            claray::quoted(left_out.keyword) + consequence);
     };
-    warn(Statement::free_form, " is ignored: no free-form curves and surfaces are shown");
+    warn(ObjStatement::free_form, " is ignored: no free-form curves and surfaces are shown");
     const auto is_flat = [](const ObjCorner& corner) { return corner.normal < 0; };
     if (std::any_of(file_.corners.begin(), file_.corners.end(), is_flat))
-        warn(Statement::smoothing, " (a smoothing group) is ignored: faces without normals are flat");
-    warn(Statement::unknown, " is not an OBJ statement: the line is ignored");
+        warn(ObjStatement::smoothing, " (a smoothing group) is ignored: faces without normals are flat");
+    warn(ObjStatement::unknown, " is not an OBJ statement: the line is ignored");
 }
 
 void ObjReader::warn_of_bad_numbers(Warnings& warnings) const {
@@ -512,7 +410,7 @@ ObjFile read_obj(const fs::path& path, Warnings& warnings) {
     std::string text = read_text(path, "check the path");
     if (text.empty()) throw Error(ErrorKind::user, "'" + path.string() + "' is empty", "export the mesh again");
     ObjFile file;
-    LineBuffer lines(std::move(text));
+    ObjLines lines(std::move(text));
     std::istream stream(&lines);
     stream.exceptions(std::ios::badbit);  // what `at_stroke` throws goes on
     ObjReader reader(path, file, lines);
@@ -523,9 +421,11 @@ ObjFile read_obj(const fs::path& path, Warnings& warnings) {
     reader.warn_of_bad_numbers(warnings);
     reader.warn_of_left_out(warnings);
     mtl_reader.warn_if_none_is_named();
+    if (file.polygons.empty() && file.strokes.empty())  // a cloud of points, as scanners write them
+        for (int i = 0; i < int(file.positions.size()); ++i) file.strokes.push_back({i, i, 0});
     if (file.polygons.empty() && file.strokes.empty())
-        throw Error(ErrorKind::user, "'" + path.string() + "' contains no face, line or point",
-                    "claray needs lines of 'f', 'l' or 'p'; export a mesh");
+        throw Error(ErrorKind::user, "'" + path.string() + "' contains neither faces nor points",
+                    "claray needs lines of 'f' or 'v'; export a mesh");
     return file;
 }
 

@@ -66,6 +66,8 @@ TEST_F(PlyForms, FacesHaveColoursOfTheirOwn) {
         EXPECT_EQ(mesh.colors.at(mesh.triangles[1][int(i)]), glm::vec4(0, 0, 1, 1));
     }
     EXPECT_EQ(square("", bytes_rgb, {""}, {"9 9 9"}).meshes.at(0).positions.size(), 4u);
+    const Mesh longer = square("", bytes_rgb, {""}, {"9 1 1 1 1"}).meshes.at(0);
+    EXPECT_EQ(longer.colors.at(0), glm::vec4(1)) << "a row that does not follow its header says no colour";
 }
 
 TEST_F(PlyForms, ColoursOfOtherNamesAndRanges) {
