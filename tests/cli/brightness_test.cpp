@@ -143,15 +143,6 @@ TEST_F(DarkFile, LightInPhysicalUnitsIsExposed) {
     EXPECT_NE(render({"--exposure", "bright"}).errors.find("neither a finite number nor auto"), std::string::npos);
 }
 
-/// Frames of an animation keep the exposure of the first one.
-TEST_F(DarkFile, FramesHaveOneExposure) {
-    const ProcessResult result =
-        render({"--light", "directional,direction=0,0,-1,intensity=2000", "--frames", "0..1", "-o", path("f.png")});
-    EXPECT_TRUE(tells(result, "the surfaces would be mostly white"));
-    EXPECT_EQ(read_file(path("f.0000.png")), read_file(path("f.0001.png")));
-    EXPECT_EQ(result.errors.find("mostly white"), result.errors.rfind("mostly white")) << "told once";
-}
-
 TEST_F(DarkFile, OptionsThatChangeNothingAreTold) {
     EXPECT_TRUE(tells(render({"--adaptive"}), "--adaptive changed nothing"));
     EXPECT_TRUE(tells(render({"--guide"}), "--guide changed nothing"));
