@@ -143,6 +143,20 @@ TEST_F(DarkFile, LightInPhysicalUnitsIsExposed) {
     EXPECT_NE(render({"--exposure", "bright"}).errors.find("neither a finite number nor auto"), std::string::npos);
 }
 
+TEST_F(DarkFile, TheViewIsExposedToo) {
+    std::ofstream(path("script.txt")) << "finish\nexposure 0\n";
+    const auto view = [&](const std::string& lux, const std::vector<std::string>& more) {
+        std::vector<std::string> options = {"view", "--script", path("script.txt"), "--size", "16x16", "--spp", "4"};
+        options.insert(options.end(), {"--light", "directional,direction=0,0,-1,intensity=" + lux});
+        return run(options, more);
+    };
+    const ProcessResult bright = view("2000", {});
+    EXPECT_TRUE(tells(bright, "the surfaces would be mostly white: their exposure is -"));
+    EXPECT_NE(bright.output.find("exposure -"), std::string::npos) << bright.output;
+    EXPECT_FALSE(tells(view("2000", {"--exposure", "0"}), "exposure"));
+    EXPECT_FALSE(tells(view("3", {}), "exposure"));
+}
+
 TEST_F(DarkFile, OptionsThatChangeNothingAreTold) {
     EXPECT_TRUE(tells(render({"--adaptive"}), "--adaptive changed nothing"));
     EXPECT_TRUE(tells(render({"--guide"}), "--guide changed nothing"));
