@@ -153,7 +153,7 @@ bool render_picture(const PictureJob& job, const Scene& scene, RenderOptions opt
     const std::vector<glm::vec3> pixels = options.denoiser ? denoised.image : renderer.image();
     if (job.exposure && *job.exposure) options.exposure = *job.exposure;
     choose_exposure(pixels, &renderer, options);
-    if (job.exposure) *job.exposure = options.exposure;
+    if (job.exposure && !*job.exposure) *job.exposure = options.exposure;
     const bool is_written = write_rendered(job, renderer, pixels, options, writes);
     if (!options.trace.empty())
         writes.attempt([&] { write_trace(options.trace, device.profiler().records(), device.info().name); });
@@ -179,6 +179,8 @@ class Animation {
 public:
     Animation(const std::vector<Device>& devices, const RenderOptions& options, Writes& writes)
         : devices_(devices), options_(options), writes_(writes), next_of_film_(options.animation->first) {
+        if (rank_session() != nullptr && !is_film(options.output))  // other ranks do not know the first frame
+            exposure_ = options.exposure.value_or(0.f);
         if (is_film(options.output))
             film_.emplace(options.output, options.config.width, options.config.height, options.frame_rate);
     }

@@ -62,8 +62,9 @@ private:
         glm::dvec3 place{0.0}, direction{0.0};
         double distance = 0, merit = -1;
     };
-    [[nodiscard]] Look look(const glm::dvec3& place, const glm::dvec3& along, const glm::dvec2& slopes) const;
-    [[nodiscard]] Look best_look(const glm::dvec3& place, const glm::dvec2& slopes) const;
+    [[nodiscard]] Look look(const glm::dvec3& place, const glm::dvec3& along, const glm::dvec2& slopes,
+                            scenes::Random& random) const;
+    [[nodiscard]] Look best_look(const glm::dvec3& place, const glm::dvec2& slopes, scenes::Random& random) const;
     [[nodiscard]] double place_merit(const glm::dvec3& place) const;
 
     const HostRays& rays_;
@@ -71,40 +72,47 @@ private:
     std::vector<std::vector<glm::dvec3>> slices_;
 };
 
-/// People look from low in a room. A court under the sky is lighter than what is round it.
+/// People look from low in a room, whose ceiling may be missing, and from the lower floors.
 double Rooms::place_merit(const glm::dvec3& place) const {
     const auto up = rays_.closest(place, {0.0, 1.0, 0.0}, no_end),
                down = rays_.closest(place, {0.0, -1.0, 0.0}, no_end);
     const double above = up ? up->distance : box_.hi.y - place.y, below = down ? down->distance : place.y - box_.lo.y;
-    const double off = std::abs(below / std::max(below + above, 1e-30) - 0.25), light = up ? 1 : 1.5;
-    return light * (1 - off) * (1 - off);
+    const double off = (below / std::max(below + above, 1e-30) - 0.25) / 0.25;
+    return std::exp(-off * off) * (1 - 0.7 * (place.y - box_.lo.y) / box_.extent().y);
 }
 
 /// The merit is the mean of the logarithms of all distances in view: one that is near hides more than one that is far
-/// adds.
-Rooms::Look Rooms::look(const glm::dvec3& place, const glm::dvec3& along, const glm::dvec2& slopes) const {
-    constexpr int grid = 7;
-    const double far = glm::length(glm::dvec3(box_.extent()));
+/// adds. It falls where little light comes from around the scene to what is in view.
+Rooms::Look Rooms::look(const glm::dvec3& place, const glm::dvec3& along, const glm::dvec2& slopes,
+                        scenes::Random& random) const {
+    constexpr int grid = 5;
+    constexpr double dark = 0.2, light_enough = 0.2;
+    const double far = glm::length(glm::dvec3(box_.extent())), outside = 0.25 * far;  // a sky is no far view
     const glm::dvec3 right = glm::normalize(glm::cross(along, glm::dvec3(0, 1, 0))), up = glm::cross(right, along);
-    const double open = 0.25 * far;
-    double sum = 0, ahead = open;
+    double sum = 0, ahead = outside;
+    int seen = 0, open = 0;
     for (int y = 0; y < grid; ++y)
         for (int x = 0; x < grid; ++x) {
             const glm::dvec2 at = (2.0 * glm::dvec2(x, y) / double(grid - 1) - 1.0) * slopes;
-            const auto hit = rays_.closest(place, glm::normalize(along + at.x * right + at.y * up), far);
-            const double distance = hit ? hit->distance : open;  // a sky is no far view
+            const glm::dvec3 direction = glm::normalize(along + at.x * right + at.y * up);
+            const auto hit = rays_.closest(place, direction, far);
+            const double distance = hit ? hit->distance : outside;
             sum += std::log(std::max(distance / far, 1e-6));
             if (x == grid / 2 && y == grid / 2) ahead = distance;
+            if (!hit) continue;
+            const glm::dvec3 on_front = place + (1 - 1e-6) * distance * direction;
+            seen += 1, open += !rays_.closest(on_front, hit->normal + 0.999 * any_direction(random), no_end);
         }
-    return {place, along, ahead, std::exp(sum / (grid * grid))};
+    const double light = dark + std::min(double(open) / std::max(seen, 1), light_enough);
+    return {place, along, ahead, light * std::exp(sum / (grid * grid))};
 }
 
-Rooms::Look Rooms::best_look(const glm::dvec3& place, const glm::dvec2& slopes) const {
-    constexpr int turns = 24;
+Rooms::Look Rooms::best_look(const glm::dvec3& place, const glm::dvec2& slopes, scenes::Random& random) const {
+    constexpr int turns = 16;
     Look best;
     for (int i = 0; i < turns; ++i) {
         const double angle = 2 * std::numbers::pi * i / turns;
-        const Look found = look(place, {std::sin(angle), 0, -std::cos(angle)}, slopes);
+        const Look found = look(place, {std::sin(angle), 0, -std::cos(angle)}, slopes, random);
         if (found.merit > best.merit) best = found;
     }
     best.merit *= place_merit(place);
@@ -115,8 +123,9 @@ Camera Rooms::best_view(float vertical_fov, float aspect) const {
     const double slope = std::tan(0.5 * glm::radians(double(vertical_fov)));
     std::vector<Look> of_slices(slices_.size());
     in_parallel(slices_.size(), [&](std::size_t i) {
+        scenes::Random random(i);
         for (const glm::dvec3& place : slices_[i])
-            if (const Look found = best_look(place, {slope * aspect, slope}); found.merit > of_slices[i].merit)
+            if (const Look found = best_look(place, {slope * aspect, slope}, random); found.merit > of_slices[i].merit)
                 of_slices[i] = found;
     });
     const auto better = [](const Look& a, const Look& b) { return a.merit < b.merit; };

@@ -143,13 +143,18 @@ TEST_F(DarkFile, LightInPhysicalUnitsIsExposed) {
     EXPECT_NE(render({"--exposure", "bright"}).errors.find("neither a finite number nor auto"), std::string::npos);
 }
 
-/// Frames of an animation keep the exposure of the first one.
-TEST_F(DarkFile, FramesHaveOneExposure) {
-    const ProcessResult result =
-        render({"--light", "directional,direction=0,0,-1,intensity=2000", "--frames", "0..1", "-o", path("f.png")});
-    EXPECT_TRUE(tells(result, "the surfaces would be mostly white"));
-    EXPECT_EQ(read_file(path("f.0000.png")), read_file(path("f.0001.png")));
-    EXPECT_EQ(result.errors.find("mostly white"), result.errors.rfind("mostly white")) << "told once";
+TEST_F(DarkFile, TheViewIsExposedToo) {
+    std::ofstream(path("script.txt")) << "finish\nexposure 0\n";
+    const auto view = [&](const std::string& lux, const std::vector<std::string>& more) {
+        std::vector<std::string> options = {"view", "--script", path("script.txt"), "--size", "16x16", "--spp", "4"};
+        options.insert(options.end(), {"--light", "directional,direction=0,0,-1,intensity=" + lux});
+        return run(options, more);
+    };
+    const ProcessResult bright = view("2000", {});
+    EXPECT_TRUE(tells(bright, "the surfaces would be mostly white: their exposure is -"));
+    EXPECT_NE(bright.output.find("exposure -"), std::string::npos) << bright.output;
+    EXPECT_FALSE(tells(view("2000", {"--exposure", "0"}), "exposure"));
+    EXPECT_FALSE(tells(view("3", {}), "exposure"));
 }
 
 TEST_F(DarkFile, OptionsThatChangeNothingAreTold) {

@@ -108,6 +108,39 @@ TEST_F(GltfOptions, AllFramesAreLitAsTheFirst) {
     EXPECT_GT(pixels_of("b.0001.pfm")[3 * (16 * 8 + 8)], 0.f);
 }
 
+/// A sun in lux, before which the triangle turns half away: each frame alone would get another exposure.
+TEST_F(GltfOptions, AllFramesHaveTheExposureOfTheFirst) {
+    GltfBuilder builder;
+    builder.push("materials", {{"doubleSided", true}, {"pbrMetallicRoughness", {{"metallicFactor", 0}}}});
+    builder.triangle({{"material", 0}});
+    builder.push("animations", {{"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "rotation"}}}}}},
+                                {"samplers",
+                                 {{{"input", builder.accessor<float>("SCALAR", {0, 1})},
+                                   {"output", builder.accessor<float>("VEC4", {0, 0, 0, 1, 0, 0.6f, 0, 0.8f})}}}}});
+    builder.root["extensionsUsed"] = {"KHR_lights_punctual"};
+    builder.root["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "directional"}, {"intensity", 2000}}};
+    builder.push("nodes", {{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+    std::ofstream(path("sun.gltf")) << builder.gltf();
+    const auto rendered = [&](const std::string& output, const std::string& frames, const std::string& exposure) {
+        std::vector<std::string> words = {
+            "render",   path("sun.gltf"), "-o",           path(output), "--size",   "16x16", "--spp",     "4",    "-q",
+            "--frames", frames,           "--frame-rate", "1",          "--camera", "0,0,4", "--look-at", "0,0,0"};
+        if (!exposure.empty()) words.insert(words.end(), {"--exposure", exposure});
+        const ProcessResult result = run_claray(words);
+        EXPECT_EQ(result.exit_code, 0) << result.errors;
+        return result.errors;
+    };
+    const std::string told = rendered("both.png", "0..1", "");
+    const std::size_t at = told.find("their exposure is "), stops = at + 18;
+    ASSERT_NE(at, std::string::npos) << told;
+    EXPECT_EQ(told.find("their exposure is ", stops), std::string::npos) << told;
+    static_cast<void>(rendered("given.png", "0..1", told.substr(stops, told.find(' ', stops) - stops)));
+    static_cast<void>(rendered("alone.png", "1..1", ""));
+    EXPECT_EQ(read_file(path("both.0000.png")), read_file(path("given.0000.png")));
+    EXPECT_EQ(read_file(path("both.0001.png")), read_file(path("given.0001.png")));
+    EXPECT_NE(read_file(path("both.0001.png")), read_file(path("alone.0001.png")));
+}
+
 /// What is given wins over the file's camera: its field of view, its up, its kind of projection.
 TEST_F(GltfOptions, TheCommandLineWinsOverTheFilesCamera) {
     const auto same = [&](const std::vector<std::string>& a, const std::vector<std::string>& b) {
