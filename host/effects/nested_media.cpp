@@ -14,12 +14,24 @@ namespace {
 
 constexpr double growth = 1e-5;  // of touching bodies, as a share of their size and distance from the origin
 
-/// The triangles of one material in a placed mesh.
-struct Body {
+/// The triangles of one material in a mesh.
+struct Part {
     std::uint32_t mesh, material;
-    glm::mat4 transform;
     std::vector<std::size_t> triangles;
+    Bounds bounds;  // in the mesh's space
+};
+
+/// A placed part.
+struct Body {
+    const Part* part;
+    glm::mat4 transform;
     Bounds bounds;  // in the world
+};
+
+/// The transparent bodies of a scene.
+struct Bodies {
+    std::vector<Part> parts;
+    std::vector<Body> all;  // they refer to `parts`
 };
 
 std::uint32_t material_of(const Mesh& mesh, std::size_t triangle) {
@@ -55,21 +67,41 @@ void for_placed_meshes(const Scene& scene, Call call) {
         if (instance.mesh < scene.meshes.size()) call(instance.mesh, instance.transform);
 }
 
-std::vector<Body> transparent_bodies(const Scene& scene) {
-    std::vector<Body> bodies;
+Bounds placed(const Bounds& bounds, const glm::mat4& transform) {
+    Bounds found;
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::vec3 at = glm::mix(bounds.lo, bounds.hi, glm::vec3(corner & 1, corner >> 1 & 1, corner >> 2));
+        found.grow(glm::vec3(transform * glm::vec4(at, 1.f)));
+    }
+    return found;
+}
+
+void add_parts(const Scene& scene, std::uint32_t number, std::vector<Part>& parts) {
+    const Mesh& mesh = scene.meshes[number];
+    const std::size_t first = parts.size();
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        const std::uint32_t material = material_of(mesh, t);
+        if (material >= scene.materials.size() || !has_glass(scene.materials[material])) continue;
+        auto part = std::find_if(parts.begin() + std::ptrdiff_t(first), parts.end(),
+                                 [&](const Part& p) { return p.material == material; });
+        if (part == parts.end()) part = parts.insert(part, Part{number, material, {}, {}});
+        part->triangles.push_back(t);
+        const Bounds bounds = bounds_of(mesh, glm::mat4(1.f), t);
+        part->bounds.grow(bounds.lo), part->bounds.grow(bounds.hi);
+    }
+}
+
+Bodies transparent_bodies(const Scene& scene) {
+    Bodies bodies;
+    if (std::none_of(scene.materials.begin(), scene.materials.end(), has_glass)) return bodies;
+    std::vector<std::size_t> ends;  // of each mesh's parts
+    for (std::uint32_t i = 0; i < scene.meshes.size(); ++i) {
+        add_parts(scene, i, bodies.parts);
+        ends.push_back(bodies.parts.size());
+    }
     for_placed_meshes(scene, [&](std::uint32_t number, const glm::mat4& transform) {
-        const Mesh& mesh = scene.meshes[number];
-        const std::size_t first = bodies.size();
-        for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-            const std::uint32_t material = material_of(mesh, t);
-            if (material >= scene.materials.size() || !has_glass(scene.materials[material])) continue;
-            auto body = std::find_if(bodies.begin() + std::ptrdiff_t(first), bodies.end(),
-                                     [&](const Body& b) { return b.material == material; });
-            if (body == bodies.end()) body = bodies.insert(body, Body{number, material, transform, {}, {}});
-            body->triangles.push_back(t);
-            const Bounds bounds = bounds_of(mesh, transform, t);
-            body->bounds.grow(bounds.lo), body->bounds.grow(bounds.hi);
-        }
+        for (std::size_t p = number == 0 ? 0 : ends[number - 1]; p < ends[number]; ++p)
+            bodies.all.push_back({&bodies.parts[p], transform, placed(bodies.parts[p].bounds, transform)});
     });
     return bodies;
 }
@@ -121,15 +153,17 @@ bool is_closed(const Mesh& mesh, const std::vector<std::size_t>& triangles) {
     return !edges.empty();
 }
 
-/// Whether a triangle that is not the body's own reaches into its box.
-bool meets_triangles(const Scene& scene, const Body& body) {
+/// Whether a triangle that is not the body's own reaches into its box. `boxes`: of the meshes.
+bool meets_triangles(const Scene& scene, const std::vector<Bounds>& boxes, const Body& body) {
     const Bounds inner = grown(body.bounds, -1e-4f);
     bool found = false;
     for_placed_meshes(scene, [&](std::uint32_t number, const glm::mat4& transform) {
+        if (found || boxes[number].empty() || !overlap(inner, placed(boxes[number], transform))) return;
         const Mesh& mesh = scene.meshes[number];
-        const bool same = number == body.mesh && transform == body.transform;
+        const bool same = number == body.part->mesh && transform == body.transform;
         for (std::size_t t = 0; t < mesh.triangles.size() && !found; ++t)
-            if (!(same && material_of(mesh, t) == body.material)) found = overlap(inner, bounds_of(mesh, transform, t));
+            if (!(same && material_of(mesh, t) == body.part->material))
+                found = overlap(inner, bounds_of(mesh, transform, t));
     });
     return found;
 }
@@ -137,22 +171,23 @@ bool meets_triangles(const Scene& scene, const Body& body) {
 bool touch(const Body& a, const Body& b) { return overlap(grown(a.bounds, 1e-4f), grown(b.bounds, 1e-4f)); }
 
 /// Whether anything may lie within the body.
-bool is_occupied(const Scene& scene, const std::vector<Body>& bodies, const Body& body) {
+bool is_occupied(const Scene& scene, const std::vector<Bounds>& boxes, const std::vector<Body>& bodies,
+                 const Body& body) {
     for (const Body& other : bodies)
         if (&other != &body && touch(body, other)) return true;
     for (const Light& light : scene.lights)
         if (!traits_of(light.kind)->far && overlap(body.bounds, {light.position, light.position})) return true;
     for (const PrimitiveSet& set : scene.primitives)
         if (overlap(grown(body.bounds, -1e-4f), claray::bounds_of(set))) return true;
-    return meets_triangles(scene, body);
+    return meets_triangles(scene, boxes, body);
 }
 
 /// Whether a point is in a body: a ray from there leaves it more often than it enters it.
 bool is_in(const Scene& scene, const Body& body, const glm::dvec3& from) {
     const glm::dvec3 towards = glm::normalize(glm::dvec3(0.6180339, 0.3141592, 0.7182818));
-    const Mesh& mesh = scene.meshes[body.mesh];
+    const Mesh& mesh = scene.meshes[body.part->mesh];
     int crossings = 0;
-    for (const std::size_t t : body.triangles) {
+    for (const std::size_t t : body.part->triangles) {
         glm::dvec3 v[3];
         for (int k = 0; k < 3; ++k) v[k] = glm::dvec3(placed_corner(mesh, body.transform, mesh.triangles[t][k])) - from;
         const auto side = [&](int a, int b) { return glm::dot(towards, glm::cross(v[a], v[b])); };
@@ -168,10 +203,10 @@ bool is_in(const Scene& scene, const Body& body, const glm::dvec3& from) {
 /// Whether one body is within the other, as 32 points just below its surface say.
 bool is_within(const Scene& scene, const Body& body, const Body& other) {
     constexpr std::size_t points = 32;
-    const Mesh& mesh = scene.meshes[body.mesh];
+    const Mesh& mesh = scene.meshes[body.part->mesh];
     const double depth = 1e-4 * double(glm::length(body.bounds.extent()));
     for (std::size_t i = 0; i < points; ++i) {
-        const glm::uvec3 corners = mesh.triangles[body.triangles[i * body.triangles.size() / points]];
+        const glm::uvec3 corners = mesh.triangles[body.part->triangles[i * body.part->triangles.size() / points]];
         glm::dvec3 v[3];
         for (int k = 0; k < 3; ++k) v[k] = placed_corner(mesh, body.transform, corners[k]);
         const glm::dvec3 normal = glm::cross(v[1] - v[0], v[2] - v[0]);
@@ -185,31 +220,36 @@ bool is_within(const Scene& scene, const Body& body, const Body& other) {
 std::vector<int> depths(const Scene& scene, const std::vector<Body>& bodies) {
     std::set<std::pair<std::uint32_t, std::uint32_t>> within;
     for (const Body& body : bodies)
-        for (const Body& other : bodies)
-            if (body.material != other.material && touch(body, other) &&
-                !within.contains({body.material, other.material}) && is_within(scene, body, other))
-                within.insert({body.material, other.material});
+        for (const Body& other : bodies) {
+            const std::pair pair(body.part->material, other.part->material);
+            if (pair.first != pair.second && !within.contains(pair) && touch(body, other) &&
+                is_within(scene, body, other))
+                within.insert(pair);
+        }
     std::vector<int> found(scene.materials.size());
     for (const auto& [material, around] : within) ++found[material];
     return found;
 }
 
 /// The closed bodies, if any of them is occupied.
-std::vector<Body> nested_bodies(const Scene& scene) {
-    std::vector<Body> bodies = transparent_bodies(scene);
-    const bool any =
-        std::any_of(bodies.begin(), bodies.end(), [&](const Body& body) { return is_occupied(scene, bodies, body); });
+Bodies nested_bodies(const Scene& scene) {
+    Bodies bodies = transparent_bodies(scene);
+    if (bodies.all.empty()) return bodies;
+    const std::vector<Bounds> boxes = bounds_of_meshes(scene);
+    const bool any = std::any_of(bodies.all.begin(), bodies.all.end(),
+                                 [&](const Body& body) { return is_occupied(scene, boxes, bodies.all, body); });
     if (!any) return {};
     std::set<std::uint32_t> open;
-    for (const Body& body : bodies)
-        if (!is_closed(scene.meshes[body.mesh], body.triangles)) open.insert(body.material);
-    std::erase_if(bodies, [&](const Body& body) { return open.contains(body.material); });
+    for (const Part& part : bodies.parts)
+        if (!open.contains(part.material) && !is_closed(scene.meshes[part.mesh], part.triangles))
+            open.insert(part.material);
+    std::erase_if(bodies.all, [&](const Body& body) { return open.contains(body.part->material); });
     return bodies;
 }
 
 std::vector<std::uint32_t> ranked(const Scene& scene, const std::vector<Body>& bodies) {
     std::vector<std::uint32_t> materials;
-    for (const Body& body : bodies) materials.push_back(body.material);
+    for (const Body& body : bodies) materials.push_back(body.part->material);
     std::sort(materials.begin(), materials.end());
     materials.erase(std::unique(materials.begin(), materials.end()), materials.end());
     const std::vector<int> depth = depths(scene, bodies);
@@ -222,12 +262,12 @@ std::vector<std::uint32_t> ranked(const Scene& scene, const std::vector<Body>& b
 }
 
 /// Moves the faces of a body outwards by at least `distance`, in the mesh's units.
-void grow_body(Mesh& mesh, const Body& body, double distance) {
+void grow_part(Mesh& mesh, const Part& part, double distance) {
     const std::vector<std::uint32_t> same = welded(mesh);
     std::vector<glm::dvec3> sums(mesh.positions.size());
     std::vector<double> least(sums.size(), 1);
     const auto for_faces = [&](auto call) {
-        for (const std::size_t t : body.triangles) {
+        for (const std::size_t t : part.triangles) {
             const glm::uvec3 v = mesh.triangles[t];
             const glm::dvec3 a = mesh.positions[v.x], b = mesh.positions[v.y], c = mesh.positions[v.z];
             const glm::dvec3 normal = glm::cross(b - a, c - a);
@@ -241,7 +281,7 @@ void grow_body(Mesh& mesh, const Body& body, double distance) {
     for_faces(
         [&](std::uint32_t v, const glm::dvec3& normal) { least[v] = std::min(least[v], glm::dot(sums[v], normal)); });
     std::vector<bool> moves(sums.size());
-    for (const std::size_t t : body.triangles)
+    for (const std::size_t t : part.triangles)
         for (int k = 0; k < 3; ++k) moves[mesh.triangles[t][k]] = true;
     for (std::size_t v = 0; v < sums.size(); ++v)
         if (moves[v]) mesh.positions[v] += glm::vec3(distance / std::max(least[same[v]], 0.25) * sums[same[v]]);
@@ -256,23 +296,23 @@ double growth_of(const Body& body) {
 
 }  // namespace
 
-std::vector<std::uint32_t> nested_media(const Scene& scene) { return ranked(scene, nested_bodies(scene)); }
+std::vector<std::uint32_t> nested_media(const Scene& scene) { return ranked(scene, nested_bodies(scene).all); }
 
 std::optional<Scene> with_overlapping_media(const Scene& scene) {
-    const std::vector<Body> bodies = nested_bodies(scene);
-    const std::vector<std::uint32_t> ranks = ranked(scene, bodies);
+    const Bodies bodies = nested_bodies(scene);
+    const std::vector<std::uint32_t> ranks = ranked(scene, bodies.all);
     const auto rank = [&](const Body& body) {
-        return std::find(ranks.begin(), ranks.end(), body.material) - ranks.begin();
+        return std::find(ranks.begin(), ranks.end(), body.part->material) - ranks.begin();
     };
     std::optional<Scene> changed;
-    std::set<std::pair<std::uint32_t, std::uint32_t>> grew;  // once, although there may be several instances
-    for (const Body& body : bodies) {
-        const bool meets_higher = std::any_of(bodies.begin(), bodies.end(), [&](const Body& other) {
-            return rank(other) > rank(body) && touch(body, other);
+    std::set<const Part*> grew;  // once, although there may be several instances
+    for (const Body& body : bodies.all) {
+        const bool meets_higher = std::any_of(bodies.all.begin(), bodies.all.end(), [&](const Body& other) {
+            return touch(body, other) && rank(other) > rank(body);
         });
-        if (!meets_higher || !grew.insert({body.mesh, body.material}).second) continue;
+        if (!meets_higher || !grew.insert(body.part).second) continue;
         if (!changed) changed = scene;
-        grow_body(changed->meshes[body.mesh], body, growth_of(body));
+        grow_part(changed->meshes[body.part->mesh], *body.part, growth_of(body));
     }
     return changed;
 }

@@ -86,6 +86,12 @@ Material weak_plastic(float roughness) {
     m.specular_weight = 0.3f, m.specular_tint = glm::vec3(0.5f);
     return m;
 }
+/// Only grazing light is reflected, by an index whose own curve would fall first.
+Material steep_plastic(float roughness) {
+    Material m = white(MaterialKind::principled, roughness, 1000.f);
+    m.specular_tint = glm::vec3(0.f);
+    return m;
+}
 Material with_film(Material m) {
     m.iridescence = 1.f, m.iridescence_ior = 1.8f, m.film_thickness.y = 420.f;
     return m;
@@ -177,6 +183,7 @@ const std::vector<Kind> kinds = {
     {"UnderRoughCoat", under_rough_coat},
     {"TintedPlastic", tinted_plastic},
     {"WeakPlastic", weak_plastic},
+    {"SteepPlastic", steep_plastic},
     {"FilmOnPlastic", film_on_plastic},
     {"FilmOnMetal", film_on_metal, false, false},
     {"FilmOnGlass", film_on_glass, false, false},

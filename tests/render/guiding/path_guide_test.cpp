@@ -220,6 +220,31 @@ TEST(PathGuide, LeavesImagesThatItDoesNotImprove) {
     EXPECT_TRUE(is_guided(*builtin_scene("cornell")));
 }
 
+/// Textures on diffuse surfaces, and glTF's name for such a surface, change nothing.
+TEST(PathGuide, GuidesAtWhateverIsLambertian) {
+    if (!is_guidable()) GTEST_SKIP() << "paths are guided on CPUs only";
+    Scene scene = room_with_window();
+    Texture texture;
+    texture.width = texture.height = 2;
+    texture.bytes.assign(16, 200);
+    texture.filter = Filter::bilinear;
+    scene.textures = {texture};
+    scene.materials[0].albedo_map = {.texture = 0};
+    for (Mesh& mesh : scene.meshes) mesh.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+    RenderConfig config = guided_config();
+    config.spp = 32;
+    const std::vector<glm::vec3> image = render_guided(scene, everywhere, config);
+    EXPECT_FALSE(same_bits(image, render_guided(scene, nowhere, config))) << "nothing is guided";
+    scene.materials[0].kind = MaterialKind::principled;
+    scene.materials[0].roughness = 1.f, scene.materials[0].specular_weight = 0.f;
+    EXPECT_TRUE(same_bits(image, render_guided(scene, everywhere, config)));
+    EXPECT_EQ(Renderer(device(), scene, config).why_unguided(), "");
+    scene.materials[0].specular_weight = 1.f;
+    EXPECT_NE(Renderer(device(), scene, config).why_unguided(), "") << "plastic";
+    config.guide = false;
+    EXPECT_EQ(Renderer(device(), scene, config).why_unguided(), "") << "not asked for";
+}
+
 /// The cells span the scene as it is now.
 TEST(PathGuide, FollowsMovedVertices) {
     if (!is_guidable()) GTEST_SKIP() << "paths are guided on CPUs only";
