@@ -12,6 +12,7 @@
 #include "host/bvh/bvh_state.hpp"
 #include "host/compute/contexts.hpp"
 #include "host/compute/device_state.hpp"
+#include "host/compute/memory.hpp"
 #include "host/trace/learning/better_tree.hpp"
 #include "host/trace/learning/comparison.hpp"
 #include "host/trace/learning/learning.hpp"
@@ -244,7 +245,7 @@ TEST(Learning, TooLittleMemoryOnlyEndsTheSearch) {
     const std::vector<Hit> expected = closest_hit(bvh, rays());
     const BvhMemory needed = Bvh::memory_needed(own, 3 * bvh.triangle_count(), bvh.triangle_count(),
                                                 {.builder = Builder::high, .layout = bvh.layout()});
-    own.state().info.memory = *own.state().in_use + needed.bytes * 3 / 2;  // half of it is not enough
+    own.state().info.memory = bytes_in_use(own) + needed.bytes * 3 / 2;  // half of it is not enough
     trace_until_ended(bvh);
     EXPECT_NE(bvh.state().search(), nullptr);
     EXPECT_FALSE(bvh.is_replaced());
@@ -253,12 +254,12 @@ TEST(Learning, TooLittleMemoryOnlyEndsTheSearch) {
 
 /// Batches whose times were not read yet do not keep the structure alive.
 TEST(Learning, MemoryIsFreed) {
-    const std::uint64_t before = *device().state().in_use;
+    const std::uint64_t before = bytes_in_use(device());
     for (int batches = 4; batches < 16; ++batches) {
         const Bvh bvh = build_to_learn(soup(50, 0.1f, 1));
         trace(bvh, batches);
     }
-    EXPECT_EQ(*device().state().in_use, before);
+    EXPECT_EQ(bytes_in_use(device()), before);
 }
 
 TEST(Learning, QueuesWithoutTimesOnlyEndTheSearch) {
