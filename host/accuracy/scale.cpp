@@ -13,7 +13,7 @@ namespace {
 // decades.
 constexpr double aimed_at = 1.1;  // times the least: machines are faster at times
 constexpr unsigned most_scaled_side = 1024, most_spp = 65536;
-constexpr double repeated_for = 5;           // times the least
+constexpr double repeated_for = 0.1;         // seconds
 constexpr unsigned factor_of_reference = 2;  // its own error is known and taken off
 constexpr unsigned compared_span = 16, single_span = 4;
 constexpr std::size_t most_rays = 1u << 21;
@@ -78,7 +78,7 @@ StudyOptions at_scale(const Device& device, const Scene& scene, StudyOptions opt
         if (pilot.seconds(width, height, spp) < scale.seconds && spp < most_first) spp *= 2;
     }
     options.first_spp = spp;
-    options.least_seconds = scale.seconds, options.most_seconds = repeated_for * scale.seconds;
+    options.least_seconds = scale.seconds, options.most_seconds = std::max(repeated_for, scale.seconds);
     if (!keep_spp) {
         options.most_spp = scale.span * spp, options.compared_spp = std::min(compared_span, scale.span) * spp,
         options.single_spp = single_span * spp;

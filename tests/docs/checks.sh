@@ -1,5 +1,6 @@
 # Checks of the commands that documentation names. Included by the scripts of this folder, which set $claray and define `fail`.
 # Names that are upper-case stand for something else.
+# shellcheck shell=bash disable=SC2154
 scenes=$("$claray" scenes | awk '{print $1}') cases=$("$claray" verify --list | awk '{print $1}')
 declare -A help
 
