@@ -112,6 +112,7 @@ RemoteDevices::RemoteDevices(Ranks& ranks, RenderGroup& group, const Scene& scen
                                                       place_of(rank, hello) + ": " + hello.devices[device]);
             });
     }
+    group.state().most_seconds_of_order = 20 * Session::seconds_until_lost();
     std::string picture = to_bytes(picture_, config, scene);  // may throw, before the session knows this object
     session.handle([this](const Message& message) { take(message); });
     while (const std::optional<Message> earlier = session.receive(std::chrono::milliseconds(0))) take(*earlier);

@@ -23,6 +23,7 @@ struct RenderGroup::State {
         double handover = 0;                            // likewise
         int number = -1;                                // of the dealer, once it takes orders
         std::deque<Order> orders = {};
+        Clock::time_point since = {};  // when the first of these became the first
         std::string failure = {};
         [[nodiscard]] bool takes_orders() const { return number >= 0 && !has_failed; }
     };
@@ -51,6 +52,8 @@ struct RenderGroup::State {
     void join_dealing(Member& member);
     void expect_members();
     void drop(Member& member, const Report& report);
+    void drop(std::size_t member, const std::string& why);
+    void drop_silent();
     void wait_for_lead();
     void wait_for_orders(std::uint32_t first = 0, std::uint32_t pixels = ~0u);
     [[nodiscard]] std::size_t failures() const;
@@ -82,6 +85,7 @@ struct RenderGroup::State {
     bool keeps = false;    // sums were asked for
     bool hurries = false;  // the program was told to end
     std::string checkpoint_error;
+    double most_seconds_of_order = 600;  // of a member that is elsewhere, else it is dropped
 };
 
 }  // namespace claray

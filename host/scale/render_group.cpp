@@ -222,6 +222,7 @@ void RenderGroup::State::deal() {
 }
 
 void RenderGroup::State::send(Member& member, const Order& order) {
+    if (member.orders.empty()) member.since = Clock::now();
     member.orders.push_back(order);
     const bool sends_sums = order.brings_sums && member.device == nullptr;
     member.worker->carry_out(order, sends_sums ? sums.copy(order.batch.first_pixel, order.batch.pixels) : Film::Sums());
@@ -233,15 +234,7 @@ void RenderGroup::State::take_report(std::chrono::microseconds most) {
         Member& member = members[report->worker];
         if (member.has_failed) continue;
         if (!fits(member, *report)) {
-            drop(member, {report->worker,
-                          Report::Kind::failed,
-                          0,
-                          0,
-                          0,
-                          0,
-                          {},
-                          ErrorKind::user,
-                          "its report does not fit its orders"});
+            drop(report->worker, "its report does not fit its orders");
             continue;
         }
         switch (report->kind) {
@@ -255,6 +248,7 @@ void RenderGroup::State::take_report(std::chrono::microseconds most) {
             case Report::Kind::failed: drop(member, *report); break;
         }
     }
+    drop_silent();
 }
 
 /// Whether a report is possible. Those of other processes may be wrong.
@@ -271,6 +265,7 @@ bool RenderGroup::State::fits(const Member& member, const Report& report) const 
 void RenderGroup::State::take_done(Member& member, Report& report) {
     const Order order = member.orders.front();
     member.orders.pop_front();
+    member.since = Clock::now();
     if (!report.sums.pixels.empty()) sums.write(order.batch.first_pixel, report.sums);
     dealer->done(member.number, order, report.seconds);
     lead_has_begun |= &member == &members[led_by];
@@ -295,6 +290,18 @@ void RenderGroup::State::drop(Member& member, const Report& report) {
     if (tell) tell(member.worker->name() + " is dropped and the others go on: " + report.what);
 }
 
+void RenderGroup::State::drop(std::size_t member, const std::string& why) {
+    drop(members[member], {member, Report::Kind::failed, 0, 0, 0, 0, {}, ErrorKind::user, why});
+}
+
+/// A process that is alive and does not answer. A piece takes a tenth of a second, unless kernels are compiled before.
+void RenderGroup::State::drop_silent() {
+    for (std::size_t m = 0; m < members.size(); ++m)
+        if (members[m].device == nullptr && !members[m].orders.empty() &&
+            seconds_since(members[m].since) > most_seconds_of_order)
+            drop(m, "it did not carry out an order in " + std::to_string(int(most_seconds_of_order)) + " s");
+}
+
 /// Waits until no member has an order for any of these pixels.
 void RenderGroup::State::wait_for_orders(std::uint32_t first, std::uint32_t pixels) {
     const auto concerns = [&](const Order& order) {
@@ -308,9 +315,7 @@ void RenderGroup::State::wait_for_orders(std::uint32_t first, std::uint32_t pixe
         take_report(patience);
         if (!hurries || seconds_since(since) < seconds_to_hand_over) continue;
         for (std::size_t m = 0; m < members.size(); ++m)
-            if (is_busy(members[m]) && members[m].device == nullptr)
-                drop(members[m],
-                     {m, Report::Kind::failed, 0, 0, 0, 0, {}, ErrorKind::user, "its last samples came too late"});
+            if (is_busy(members[m]) && members[m].device == nullptr) drop(m, "its last samples came too late");
     }
 }
 

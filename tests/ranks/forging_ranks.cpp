@@ -78,6 +78,9 @@ const std::vector<Forge> of_done = {
     [](Sent& sent) {
         sent = {MessageKind::hello, to_bytes(own_hello)};
     },
+    [](Sent& sent) {
+        sent = {MessageKind::alive, {}};
+    },  // sends nothing
 };
 const std::vector<Forge> of_frame = {
     [](Sent& sent) { sent.bytes = cut(sent.bytes); },
@@ -134,6 +137,7 @@ private:
     }
     void answer(MessageKind request, Sent sent) {
         if (const auto forge = forge_.find(request); forge != forge_.end()) forge->second(sent);
+        if (sent.kind == MessageKind::alive && sent.bytes.empty()) return;
         session_.send(0, sent.kind, std::move(sent.bytes));
     }
 
