@@ -81,6 +81,7 @@ void look(const LiveOptions& options) {
     view::Script script;
     if (!options.script.empty()) script = view::read_script(options.script);
     if (options.window) view::require_window();
+    if (options.script.empty()) view::require_live_size(options.config.render.width, options.config.render.height);
     const Device device = open_device(options.device);
     view::ViewConfig config = options.config;
     FirstFrame first;

@@ -17,8 +17,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr float most_pixels_a_side = 16384;
-constexpr float most_pixels = 4096.f * 4096.f;  // more than displays of 5120x2880 have
-constexpr double least_share = 0.25;            // of a frame's time that is spent on sampling
+constexpr std::size_t most_pixels = 4096 * 4096;  // more than displays of 5120x2880 have
+constexpr double least_share = 0.25;              // of a frame's time that is spent on sampling
 
 [[noreturn]] void refuse(const std::string& what, const std::string& remedy) {
     throw Error(ErrorKind::user, what, remedy);
@@ -51,6 +51,12 @@ std::string name_of(const std::string& name, std::size_t number) {
 }
 
 }  // namespace
+
+void require_live_size(unsigned width, unsigned height) {
+    if (std::size_t(width) * height > most_pixels)
+        refuse(printed("%ux%u pixels are too many for a live view", width, height),
+               "use at most 16.7 million, for example 5120x2880");
+}
 
 /// The first picture is made at once, so that no answer to a command waits for a kernel to be compiled, or for what
 /// drivers do at its first run.
@@ -422,9 +428,7 @@ std::string View::resize(const ViewCommand& command) {
     if (!(width >= 1 && height >= 1 && width <= most_pixels_a_side && height <= most_pixels_a_side))
         refuse(printed("resize: the image cannot have %gx%g pixels", double(width), double(height)),
                "use 1 to 16384 per side");
-    if (width * height > most_pixels)
-        refuse(printed("resize: %gx%g pixels are too many for a live view", double(width), double(height)),
-               "use at most 16.7 million, for example 5120x2880");
+    require_live_size(unsigned(width), unsigned(height));
     try {
         set_size(unsigned(width), unsigned(height));
     } catch (const Error& error) {

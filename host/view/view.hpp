@@ -45,6 +45,9 @@ struct Frame {
 /// Asked while the first samples of an image are made, about five times a second; true ends that.
 using Interrupted = std::function<bool()>;
 
+/// Throws ErrorKind::user for an image whose frames would take too long.
+void require_live_size(unsigned width, unsigned height);
+
 class View {
 public:
     /// Throws as Renderer does.

@@ -26,6 +26,11 @@ TEST_F(ViewProgram, TellsTheTimesOfWhatThereWas) {
     EXPECT_NE(frames.find("\nanswers of frames to commands: 1, median "), std::string::npos) << frames;
 }
 
+TEST_F(ViewProgram, RefusesAnImageThatIsTooLargeToBeLive) {
+    const ProcessResult result = run_claray({"view", "cornell", "--size", "8192x8192", "--port", "0"});
+    EXPECT_TRUE(failed_with(result, 1, "8192x8192 pixels are too many for a live view; use at most 16.7 million"));
+}
+
 TEST_F(ViewProgram, MovesANodeOfAGltf) {
     GltfBuilder builder;
     builder.triangle();

@@ -137,7 +137,7 @@ TEST_F(ViewWeb, TellsErrorsUntilACommandSucceeds) {
     EXPECT_EQ(post("orbit 1 0"), 200) << "says nothing, and what was told stays";
     wait_for("4 samples per pixel\n--camera 0,1,8");
     EXPECT_EQ(post("resize 16384 16384"), 200);
-    wait_for("4 samples per pixel\nresize: 16384x16384 pixels are too many");
+    wait_for("4 samples per pixel\n16384x16384 pixels are too many");
     EXPECT_EQ(post("orbit 1 0"), 200);
     while (client_->Get("/status")->body != "24x16, 4 samples per pixel\n") std::this_thread::yield();
 }
