@@ -96,6 +96,7 @@ std::optional<ImageShape> image_shape(std::string_view bytes) {
 std::string decode_image(std::string_view bytes, ImageShape& shape, std::vector<std::uint8_t>& values) {
     Source source{bytes};
     int width = 0, height = 0, channels = 0;
+    stbi__g_failure_reason = nullptr;  // of an earlier image
     const std::unique_ptr<stbi_uc, void (*)(void*)> data(
         stbi_load_from_callbacks(&callbacks, &source, &width, &height, &channels, 0), stbi_image_free);
     if (!data || source.cut_off) return reason(source);

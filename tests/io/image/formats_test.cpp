@@ -140,22 +140,18 @@ TEST_F(ImageFormats, BmpOfRuns) {
     for (std::size_t size = 0; size < 70; ++size) refuse(bmp_of_runs(8, 2, 1, {}).substr(0, size), {"image.any"});
 }
 
-/// stb_image fails without a reason where a scan names a component twice or too many of them.
-TEST_F(ImageFormats, DamagedJpegs) {
+/// stb_image fails without a reason where a scan names a component that does not exist.
+TEST_F(ImageFormats, DamagedJpegsHaveAReason) {
     const std::string whole = test::from_base64(test::jpeg);
-    std::size_t refused = 0;
-    for (std::size_t i = 2; i < whole.size(); ++i)
-        for (const char flip : {'\x01', '\x10', '\xff'}) {
-            std::string broken = whole;
-            broken[i] = char(broken[i] ^ flip);
-            try {
-                static_cast<void>(load(broken));
-            } catch (const Error& error) {
-                EXPECT_NE(std::string(error.what()).find("image.any"), std::string::npos) << error.what();
-                ++refused;
-            }
-        }
-    EXPECT_GT(refused, 10u);
+    const std::size_t scan = whole.find("\xff\xda");
+    ASSERT_NE(scan, std::string::npos);
+    std::string broken = whole;
+    broken[scan + 5] = 99;
+    refuse(broken, {"image.any", "damaged (it cannot be decoded)"});
+    broken = whole;
+    broken[whole.find("\xff\xc0") + 4] = 12;  // bits
+    refuse(broken, {"image.any", "damaged"});
+    refuse(broken + "\xff", {"image.any", "damaged"});
 }
 
 TEST_F(ImageFormats, OthersAreNamedWithAWayOut) {
