@@ -43,7 +43,8 @@ std::vector<Material> materials_for(EffectSet effects) {
         if ((effects & causes).empty()) return;
         materials.emplace_back();
         materials.back().kind = kind;
-        materials.back().roughness = effects.has(Effect::rough_glass) ? 0.5f : 0.f;
+        materials.back().roughness = effects.has(Effect::rough_glass) || kind == MaterialKind::oren_nayar ? 0.5f : 0.f;
+        if (kind == MaterialKind::blinn_phong) materials.back().specular = glm::vec3(0.5f);  // else it is a Lambertian
     };
     const bool transmits = effects.has(Effect::transmission);
     const EffectSet in_glass = {Effect::rough_glass, Effect::absorption};

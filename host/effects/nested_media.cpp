@@ -153,35 +153,6 @@ bool is_closed(const Mesh& mesh, const std::vector<std::size_t>& triangles) {
     return !edges.empty();
 }
 
-/// Whether a triangle that is not the body's own reaches into its box. `boxes`: of the meshes.
-bool meets_triangles(const Scene& scene, const std::vector<Bounds>& boxes, const Body& body) {
-    const Bounds inner = grown(body.bounds, -1e-4f);
-    bool found = false;
-    for_placed_meshes(scene, [&](std::uint32_t number, const glm::mat4& transform) {
-        if (found || boxes[number].empty() || !overlap(inner, placed(boxes[number], transform))) return;
-        const Mesh& mesh = scene.meshes[number];
-        const bool same = number == body.part->mesh && transform == body.transform;
-        for (std::size_t t = 0; t < mesh.triangles.size() && !found; ++t)
-            if (!(same && material_of(mesh, t) == body.part->material))
-                found = overlap(inner, bounds_of(mesh, transform, t));
-    });
-    return found;
-}
-
-bool touch(const Body& a, const Body& b) { return overlap(grown(a.bounds, 1e-4f), grown(b.bounds, 1e-4f)); }
-
-/// Whether anything may lie within the body.
-bool is_occupied(const Scene& scene, const std::vector<Bounds>& boxes, const std::vector<Body>& bodies,
-                 const Body& body) {
-    for (const Body& other : bodies)
-        if (&other != &body && touch(body, other)) return true;
-    for (const Light& light : scene.lights)
-        if (!traits_of(light.kind)->far && overlap(body.bounds, {light.position, light.position})) return true;
-    for (const PrimitiveSet& set : scene.primitives)
-        if (overlap(grown(body.bounds, -1e-4f), claray::bounds_of(set))) return true;
-    return meets_triangles(scene, boxes, body);
-}
-
 /// Whether a point is in a body: a ray from there leaves it more often than it enters it.
 bool is_in(const Scene& scene, const Body& body, const glm::dvec3& from) {
     const glm::dvec3 towards = glm::normalize(glm::dvec3(0.6180339, 0.3141592, 0.7182818));
@@ -198,6 +169,68 @@ bool is_in(const Scene& scene, const Body& body, const glm::dvec3& from) {
         if (glm::dot(normal, v[0]) / glm::dot(normal, towards) > 0) crossings += out ? 1 : -1;
     }
     return crossings != 0;
+}
+
+/// The corners of a triangle's part in a box, their middle, and points halfway to it (Sutherland and Hodgman 1974,
+/// "Reentrant polygon clipping").
+std::vector<glm::dvec3> points_in(const Bounds& box, const Mesh& mesh, const glm::mat4& transform,
+                                  std::size_t triangle) {
+    std::vector<glm::dvec3> polygon;
+    for (int k = 0; k < 3; ++k) polygon.emplace_back(placed_corner(mesh, transform, mesh.triangles[triangle][k]));
+    for (int plane = 0; plane < 6 && !polygon.empty(); ++plane) {
+        const int axis = plane / 2;
+        const double side = plane % 2 ? 1 : -1, limit = plane % 2 ? double(box.hi[axis]) : -double(box.lo[axis]);
+        std::vector<glm::dvec3> kept;
+        for (std::size_t i = 0; i < polygon.size(); ++i) {
+            const glm::dvec3 &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
+            const double from = side * p[axis] - limit, to = side * q[axis] - limit;
+            if (from <= 0) kept.push_back(p);
+            if ((from < 0 && to > 0) || (from > 0 && to < 0)) kept.push_back(glm::mix(p, q, from / (from - to)));
+        }
+        polygon = kept;
+    }
+    if (polygon.empty()) return polygon;
+    glm::dvec3 middle(0.0);
+    for (const glm::dvec3& p : polygon) middle += p / double(polygon.size());
+    for (std::size_t i = polygon.size(); i-- > 0;) polygon.push_back(0.5 * (polygon[i] + middle));
+    polygon.push_back(middle);
+    return polygon;
+}
+
+/// Whether a triangle that is not the body's own reaches into it. `boxes`: of the meshes. After some points near the
+/// body, which may be of a dense mesh, the answer is yes: knowing media then costs less than more points.
+bool meets_triangles(const Scene& scene, const std::vector<Bounds>& boxes, const Body& body) {
+    const Bounds inner = grown(body.bounds, -1e-4f);
+    int points = 1024;
+    bool found = false;
+    const auto reaches_in = [&](const Mesh& mesh, const glm::mat4& transform, std::size_t t) {
+        if (!overlap(inner, bounds_of(mesh, transform, t))) return false;
+        for (const glm::dvec3& point : points_in(inner, mesh, transform, t))
+            if (--points < 0 || is_in(scene, body, point)) return true;
+        return false;
+    };
+    for_placed_meshes(scene, [&](std::uint32_t number, const glm::mat4& transform) {
+        if (found || boxes[number].empty() || !overlap(inner, placed(boxes[number], transform))) return;
+        const Mesh& mesh = scene.meshes[number];
+        const bool same = number == body.part->mesh && transform == body.transform;
+        for (std::size_t t = 0; t < mesh.triangles.size() && !found; ++t)
+            if (!(same && material_of(mesh, t) == body.part->material)) found = reaches_in(mesh, transform, t);
+    });
+    return found;
+}
+
+bool touch(const Body& a, const Body& b) { return overlap(grown(a.bounds, 1e-4f), grown(b.bounds, 1e-4f)); }
+
+/// Whether anything may lie within the body.
+bool is_occupied(const Scene& scene, const std::vector<Bounds>& boxes, const std::vector<Body>& bodies,
+                 const Body& body) {
+    for (const Body& other : bodies)
+        if (&other != &body && touch(body, other)) return true;
+    for (const Light& light : scene.lights)
+        if (!traits_of(light.kind)->far && overlap(body.bounds, {light.position, light.position})) return true;
+    for (const PrimitiveSet& set : scene.primitives)
+        if (overlap(grown(body.bounds, -1e-4f), claray::bounds_of(set))) return true;
+    return meets_triangles(scene, boxes, body);
 }
 
 /// Whether one body is within the other, as 32 points just below its surface say.
