@@ -71,37 +71,39 @@ struct LoadOptions {
 };
 
 /// Loads a Wavefront OBJ with its MTL and the images of used materials. Polygons are triangulated, negative indices are
-/// resolved, and the faces of one group or object form one mesh. docs/formats.md tells the meaning of each MTL key. A
-/// missing MTL causes a warning and grey Lambert materials. Throws ErrorKind::user, naming the file (and the line, if
-/// known), for a missing or empty file, an index out of range, a file without faces, and an image that is missing,
-/// damaged, too large or outside the OBJ's folder.
+/// resolved, and the faces of one group or object form one mesh. Lines and points become tubes and spheres.
+/// docs/formats.md tells the meaning of each MTL key. A missing MTL or image causes a warning and grey. Throws
+/// ErrorKind::user, naming the file (and the line, if known), for a missing or empty file, an index out of range, a file
+/// without faces and points, and an image that is damaged or too large.
 [[nodiscard]] Scene load_obj(const std::filesystem::path& path, Warnings& warnings);
 
-/// Loads a PLY, text or binary: the elements vertex (positions, normals, texture coordinates, colours), face and
-/// tristrips as one grey mesh; polygons are triangulated. Throws ErrorKind::user, naming the file and the line or the
-/// row, for a missing or damaged file, an index out of range, and a file without faces.
+/// Loads a PLY, text or binary: the elements vertex (positions, normals, texture coordinates, colours), face (colours
+/// and coordinates of its own) and tristrips as one grey mesh, with the images that MeshLab's comments name; without
+/// faces, edges and vertices as tubes and spheres. Throws ErrorKind::user, naming the file and the line or the row, for
+/// a missing or damaged file, an index out of range, and a file without faces and points.
 [[nodiscard]] Scene load_ply(const std::filesystem::path& path, Warnings& warnings);
 
 /// Loads an STL, text or binary, as a grey mesh for each solid. Vertices at the same position become one; normals are
-/// ignored, because triangles are flat. Throws as load_ply.
+/// ignored, because triangles are flat. Throws ErrorKind::user, naming the file and the line, for a missing or damaged
+/// file, and a file without triangles.
 [[nodiscard]] Scene load_stl(const std::filesystem::path& path, Warnings& warnings);
 
 /// Loads glTF 2.0, as text (.gltf) or binary (.glb): triangles, points and lines (as spheres and tubes), the node
 /// hierarchy at a time of an animation, skins and morph targets, a camera, punctual lights, metallic-roughness
 /// materials with the extensions in docs/formats.md, and the images of used materials. If no mesh is used by several
 /// nodes, meshes are stored in world space; otherwise Scene::instances places them. Unsupported content is left out
-/// with a warning. Throws ErrorKind::usage, listing the names in the file, for an unknown choice. Throws
-/// ErrorKind::user, naming the file and the object, for invalid content, an unknown required extension, and an image or
-/// buffer that is missing, damaged, too large or outside the file's folder.
+/// with a warning; a missing image is grey, with a warning. Throws ErrorKind::usage, listing the names in the file, for
+/// an unknown choice. Throws ErrorKind::user, naming the file and the object, for invalid content, an unknown required
+/// extension, a buffer that is missing or outside the file's folder, and an image that is damaged or too large.
 [[nodiscard]] Scene load_gltf(const std::filesystem::path& path, Warnings& warnings, const LoadOptions& options = {});
 
-/// Returns how long the animation of a .gltf or .glb is that `options` choose, in seconds: the time of the last key, or
+/// Returns how long the animation of a glTF is that `options` choose, in seconds: the time of the last key, or
 /// 0 if the file does not state it. Returns nothing for other names and files without an animation. Throws as
 /// load_gltf.
 [[nodiscard]] std::optional<double> animation_seconds(const std::string& name_or_path, const LoadOptions& options = {});
 
-/// Loads a built-in scene by name, or else a file by its extension (.obj, .ply, .stl, .gltf, .glb). Throws
-/// ErrorKind::usage for options that the format does not support.
+/// Loads a built-in scene by name, or else a file by its extension (.obj, .ply, .stl, .gltf, .glb), or by its content if
+/// it has another extension or none. Throws ErrorKind::usage for options that the format does not support.
 [[nodiscard]] Scene load_scene(const std::string& name_or_path, Warnings& warnings, const LoadOptions& options = {});
 
 /// The sides of surfaces that rays hit.

@@ -62,7 +62,9 @@ std::string one_line(std::string text) {
 void warn_of_remarks(const std::string& remarks, const GltfFile& file, Warnings& warnings) {
     std::set<std::string> lines;
     std::istringstream text(remarks);
-    for (std::string line; std::getline(text, line);) lines.insert(one_line(line));
+    for (std::string line; std::getline(text, line);)
+        if (line.find("'inverseBindMatrices' property is missing") == std::string::npos)  // which it may be
+            lines.insert(one_line(line));
     for (const std::string& line : lines)
         if (!line.empty())
             warnings.push_back("'" + file.path.string() + "' is not quite a valid glTF: " + line + ": it is ignored");
@@ -88,12 +90,11 @@ void parse(const AdaptedJson& adapted, GltfFile& file, Warnings& warnings) {
     } catch (const std::exception& error) {
         errors = error.what();
     }
-    if (!ok) file.fail("not a valid glTF: " + one_line(errors));
+    if (!ok) file.fail("not a valid glTF: " + (errors.empty() ? "a property is missing" : one_line(errors)));
     warn_of_remarks(errors, file, warnings);
 }
 
 std::string bytes_of(const GltfSource& source, const std::string& name, const GltfFile& file) {
-    if (source.uri.empty()) file.fail(name + " has neither a URI nor a binary chunk");
     if (!is_data_uri(source.uri)) {
         const fs::path folder = file.path.parent_path();
         return read_file(path_in_scene(folder, folder, percent_decoded(source.uri), file.path),
@@ -111,13 +112,22 @@ void read_buffers(const std::vector<GltfSource>& sources, const GltfContainer& p
         const std::string name = gltf_name("buffer", buffer.name, i);
         buffer.uri = source.uri;
         buffer.data.clear();
-        if (source.uri.empty() && source.is_optional) continue;
-        const bool in_chunk = i == 0 && source.uri.empty() && parts.binary;
+        const bool in_chunk = i == 0 && source.uri.empty() && parts.binary && !source.is_optional;
+        if (source.uri.empty() && !in_chunk) continue;  // whoever needs its bytes is told
         const std::string own = in_chunk ? std::string() : bytes_of(source, name, file);
         const std::string_view bytes = in_chunk ? *parts.binary : std::string_view(own);
         if (bytes.size() < source.length)
             file.fail(name + " has " + to_string(bytes.size()) + " bytes instead of " + to_string(source.length));
         buffer.data.assign(bytes.begin(), bytes.begin() + std::ptrdiff_t(source.length));
+    }
+}
+
+/// Where each mesh has as many primitives as in the file: tinygltf leaves out those that are none.
+void give_back_indices(const std::vector<std::vector<int>>& indices, GltfFile& file) {
+    for (std::size_t i = 0; i < indices.size(); ++i) {
+        std::vector<tinygltf::Primitive>& primitives = file.model.meshes[i].primitives;
+        for (std::size_t k = 0; k < primitives.size() && primitives.size() == indices[i].size(); ++k)
+            if (indices[i][k] >= 0) primitives[k].indices = indices[i][k];
     }
 }
 
@@ -161,6 +171,8 @@ std::string_view GltfFile::view(int index, const std::string& what) const {
         fail("buffer view " + to_string(index) + " refers to buffer " + to_string(view.buffer) + " of " +
              to_string(model.buffers.size()));
     const std::vector<unsigned char>& data = model.buffers[std::size_t(view.buffer)].data;
+    if (data.empty() && model.buffers[std::size_t(view.buffer)].uri.empty() && view.byteLength > 0)
+        fail("buffer " + to_string(view.buffer) + " has neither a URI nor a binary chunk");
     if (view.byteOffset > data.size() || view.byteLength > data.size() - view.byteOffset)
         fail("buffer view " + to_string(index) + " leaves its buffer of " + to_string(data.size()) + " bytes");
     return {reinterpret_cast<const char*>(data.data()) + view.byteOffset, view.byteLength};
@@ -182,6 +194,7 @@ GltfFile read_gltf(const fs::path& path, Warnings& warnings) {
     check_extensions(file, warnings);
     read_buffers(adapted.buffers, parts, file);
     name_images(adapted.images, file);
+    give_back_indices(adapted.indices, file);
     file.channels_without_node = adapted.channels_without_node;
     decompress(file);
     return file;

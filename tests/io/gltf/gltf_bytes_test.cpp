@@ -73,6 +73,10 @@ TEST_F(GltfBytes, BuffersOfDataUris) {
     builder.root["buffers"][0]["uri"] = "data:;base64,A*A";
     expect_error(ErrorKind::user, {"buffer 0", "base64"},
                  [&] { static_cast<void>(load_gltf(folder.file("s.gltf", builder.root.dump()), warnings)); });
+    builder.root["buffers"].push_back({{"byteLength", 4}});
+    builder.root["buffers"][0]["uri"] = "data:;base64," + data;
+    EXPECT_EQ(load_gltf(folder.file("s.gltf", builder.root.dump()), warnings).meshes.at(0).positions, corners)
+        << "nothing needs the second one";
     builder.root["buffers"][0].erase("uri");
     expect_error(ErrorKind::user, {"buffer 0 has neither a URI nor a binary chunk"},
                  [&] { static_cast<void>(load_gltf(folder.file("s.gltf", builder.root.dump()), warnings)); });
@@ -85,6 +89,24 @@ TEST_F(GltfBytes, ChunksOfEveryKind) {
     std::string glb = builder.glb() + std::string("\3\0\0\0XYZ\0abc", 11);
     glb[8] = char(glb.size()), glb[9] = char(glb.size() >> 8);
     EXPECT_EQ(load_gltf(folder.file("s.glb", glb), warnings).meshes.at(0).positions, corners);
+}
+
+/// As the specification allows them: indices that are all 0, and whole numbers with a point.
+TEST_F(GltfBytes, ValidFilesThatParsersRefuse) {
+    builder.triangle();
+    primitive()["indices"] = builder.push("accessors", {{"componentType", 5125}, {"count", 3}, {"type", "SCALAR"}});
+    EXPECT_EQ(load().meshes.at(0).triangles, (std::vector<glm::uvec3>{{0, 0, 0}}));
+    primitive().erase("indices");
+    for (json& view : builder.root["bufferViews"])
+        for (const char* key : {"buffer", "byteOffset", "byteLength"}) view[key] = view[key].get<double>();
+    builder.root["nodes"][0]["mesh"] = 0.0;
+    builder.root["accessors"][0]["count"] = 3.0;
+    EXPECT_EQ(load().meshes.at(0).positions, corners);
+    builder.push("skins", {{"joints", {0}}});
+    load();
+    EXPECT_EQ(warned("inverseBindMatrices"), 0u);
+    builder.push("skins", json::object());
+    refuse({"not a valid glTF: "});
 }
 
 /// What KHR_animation_pointer moves is no node.

@@ -1,5 +1,6 @@
 #include "host/io/gltf/decode/gltf_json.hpp"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "host/base/message.hpp"
@@ -10,8 +11,6 @@ namespace {
 
 using nlohmann::json;
 using std::to_string;
-
-constexpr std::string_view moved_indices = "indices";  // of a primitive, in its Draco extension
 
 /// Where JSON ends to be JSON, and by what: "line 1, column 30: unexpected ','". The JSON library says it as
 /// "[json.exception.parse_error.101] parse error at PLACE: syntax error while parsing WHAT - REASON; HINT".
@@ -58,12 +57,23 @@ bool has_view(json& root, const json& accessor) {
     return !accessors.is_array() || index >= accessors.size() || accessors[index].contains("bufferView");
 }
 
-/// Indices without a view, which tinygltf refuses.
-void move_indices(json& root, json& primitive) {
-    json* draco = extension_of(primitive, draco_extension);
-    if (draco == nullptr || !primitive.contains("indices") || has_view(root, primitive["indices"])) return;
-    (*draco)[moved_indices] = primitive["indices"];
+/// Indices without a view, which tinygltf refuses: they are 0, or compressed elsewhere. -1 where there are none.
+int take_indices(json& root, json& primitive) {
+    if (!primitive.contains("indices") || has_view(root, primitive["indices"])) return -1;
+    const int indices = primitive["indices"].get<int>();
     primitive.erase("indices");
+    return indices;
+}
+
+/// JSON makes no difference between 2 and 2.0, but tinygltf does.
+void write_whole_numbers(json& value) {
+    if (value.is_structured())
+        for (json& element : value) write_whole_numbers(element);
+    if (!value.is_number_float()) return;
+    const double number = value.get<double>();
+    constexpr double largest = 2147483647;  // tinygltf keeps whole numbers of extensions in 32 bits
+    if (number == std::floor(number) && std::abs(number) <= largest && !std::signbit(number))
+        value = std::uint64_t(number);
 }
 
 std::string uri_of(const json& object) {
@@ -116,8 +126,10 @@ std::size_t drop_channels_without_node(json& animation) {
 AdaptedJson adapted_to_tinygltf(std::string_view text, const GltfFile& file) {
     json root = parsed(text, file);
     AdaptedJson adapted;
+    write_whole_numbers(root);
     for_each_object(root, "meshes", [&](json& mesh) {
-        for_each_object(mesh, "primitives", [&](json& primitive) { move_indices(root, primitive); });
+        std::vector<int>& indices = adapted.indices.emplace_back();
+        for_each_object(mesh, "primitives", [&](json& primitive) { indices.push_back(take_indices(root, primitive)); });
     });
     for_each_object(root, "buffers", [&](json& buffer) {
         adapted.buffers.push_back(take_buffer(buffer, adapted.buffers.size(), file));

@@ -16,11 +16,12 @@ struct GltfSource {
 };
 
 /// What tinygltf 2.7 is stricter with than the format, or reads before anyone knows that it is wanted, is taken out of
-/// its sight: bytes of buffers and images; indices that exist only compressed; and channels of animations that move no
+/// its sight: bytes of buffers and images; indices that have no bytes; and channels of animations that move no
 /// node, as extensions have them.
 struct AdaptedJson {
     std::string text;
     std::vector<GltfSource> buffers, images;  ///< by index in the file
+    std::vector<std::vector<int>> indices;    ///< of each mesh's primitives: those without a view, else -1
     std::size_t channels_without_node = 0;
 };
 
