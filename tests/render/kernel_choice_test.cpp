@@ -296,7 +296,7 @@ TEST_F(BackgroundCompiler, IsWaitedForNoLongerThanTheRestTakes) {
     {
         Renderer first(device(), scene, config);  // compiles the quick kernels
         if (first.statistics().start == KernelStart::own) GTEST_SKIP() << "no kernels are quicker to compile";
-        config.spp = 8 * std::max(1u, first.render_for(0.5).spp);
+        config.spp = 20 * std::max(1u, first.render_for(0.5).spp);
     }
     release();
     ASSERT_TRUE(becomes_true([] { return !is_compiling(); }));

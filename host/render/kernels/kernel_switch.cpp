@@ -71,7 +71,8 @@ void Renderer::State::take_over_when_compiled() {
 /// On a CPU quick kernels leave the compiler a tenth of a processor, and take several times as long as the kernels that
 /// it makes. These compile in 1.5 to 7 times the processor time of a first pixel by quick kernels (seven scenes, PoCL
 /// 3.1). Generic kernels take twice as long at most: they do not wait. Nor does a render whose kernels another process
-/// will compile only later. Whatever happens to the compiler, waiting at most doubles the time.
+/// will compile only later. Where other processes leave this one less than a processor, the rest takes longer, but no
+/// more of the processor's time. Whatever happens to the compiler, waiting at most doubles the time.
 bool Renderer::State::better_waits_for_kernels() {
     constexpr double compiling_over_first_pixel = 5, seconds_to_tell = 1;  // the first batches vary
     compiler.is_waited_for = false;
@@ -80,8 +81,11 @@ bool Renderer::State::better_waits_for_kernels() {
     if (!compiler.is_asked || !is_compiling()) return false;  // another render's compiles, or it has failed
     const std::uint64_t paths_left = std::uint64_t(pixels()) * (config.spp - spp());
     const double left = std::min(seconds_left(), 1e-3 * pace.milliseconds_of(paths_left));
-    compiler.is_waited_for = seconds_since(set_up) - first_pixel_seconds > seconds_to_tell && compiler.waited < left &&
-                             left > compiling_over_first_pixel * first_pixel_processor_seconds;
+    const double sampling = seconds_since(set_up) - first_pixel_seconds - compiler.waited;
+    const double used = processor_seconds() - set_up_processor - first_pixel_processor_seconds;
+    const double of_processor = left * std::min(1.0, used / std::max(sampling, 1e-3));
+    compiler.is_waited_for = sampling > seconds_to_tell && compiler.waited < left &&
+                             of_processor > compiling_over_first_pixel * first_pixel_processor_seconds;
     return compiler.is_waited_for;
 }
 
