@@ -13,6 +13,7 @@
 #include "claray/primitives/primitives.hpp"
 #include "claray/profiler.hpp"
 #include "claray/program.hpp"
+#include "claray/program/compiling.hpp"
 #include "claray/query.hpp"
 #include "claray/query/all_hits.hpp"
 #include "claray/query/overlaps.hpp"

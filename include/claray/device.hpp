@@ -81,6 +81,12 @@ public:
     /// Overrides a tuning value for this device. It takes effect for programs compiled later.
     void set_tuning(const std::string& kernel, const std::string& parameter, unsigned value) const;
 
+    /// Compiles ahead, into the cache on disk, what structures and queries need: trees of the builders `automatic` and
+    /// `high`, instances, refits, rays and points. Blocks: up to a minute on a GPU where claray never ran, and less
+    /// than a second later. See claray/compiling.hpp for its progress, and compile_kernels for the kernels of renders.
+    /// Throws ErrorKind::device with the compiler's log.
+    void prepare() const;
+
     /// Commands enqueued from now on wait for these events, which may be of any queue of the context. Asynchronous.
     void wait_for(std::span<const cl::Event> events) const;
     /// Returns an event that is complete when all commands enqueued so far are. Asynchronous: the commands are

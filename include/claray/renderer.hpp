@@ -154,6 +154,8 @@ struct RenderProgress {
     unsigned error_spp = 0;    ///< samples per pixel at the time of the error estimate, between two passes
     double cut_off = 0;        ///< as Renderer::cut_off, if RenderConfig::error is set; included in both errors
     bool own_kernels = false;  ///< whether the scene's own kernels are in use (see RenderStatistics)
+    /// Whether no samples are taken while this process compiles these, because sampling would take longer without them.
+    bool waits_for_kernels = false;
     std::uint64_t dropped_samples = 0;  ///< NaN, infinite or above 1e30; left out of the image
     std::uint32_t culled = 0;           ///< triangles left out: not finite, huge, or without area
 };

@@ -1,6 +1,11 @@
 #include "host/compute/programs/compiler_processes.hpp"
 
+#include <poll.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <condition_variable>
 #include <iostream>
 #include <memory>
@@ -96,17 +101,36 @@ bool has_compiler_processes(const Device& device) {
            most_processes(device) > 1;
 }
 
-void compile_in_processes(const Device& device, const std::vector<ProgramRequest>& programs) {
+void compile_in_processes(const Device& device, const std::vector<ProgramRequest>& programs,
+                          const std::function<void()>& one_done) {
     const KeepCompilers keep;
     const std::string number = std::to_string(device.info().index);
-    in_parallel(programs.size(),
-                [&](std::size_t i) { compilers.compile(number, most_processes(device), programs[i]); });
+    in_parallel(programs.size(), [&](std::size_t i) {
+        compilers.compile(number, most_processes(device), programs[i]);
+        if (one_done) one_done();
+    });
 }
 
 KeepCompilers::KeepCompilers() { compilers.keep(); }
 KeepCompilers::~KeepCompilers() { compilers.release(); }
 
+namespace {
+
+/// Ends this process, in the middle of a compilation, when the one that asks has ended: nobody will read the answer.
+void end_with_asking_process() {
+    std::thread([] {
+        struct pollfd asking = {STDIN_FILENO, POLLRDHUP, 0};
+        while (::poll(&asking, 1, -1) < 0 && errno == EINTR) {
+        }
+        ::_exit(0);
+    }).detach();
+}
+
+}  // namespace
+
 void serve_as_compiler(const Device& device) {
+    struct stat input = {};
+    if (::fstat(STDIN_FILENO, &input) == 0 && S_ISSOCK(input.st_mode)) end_with_asking_process();
     for (std::string line; std::getline(std::cin, line);) {
         const std::size_t end = line.find(separator);
         try {

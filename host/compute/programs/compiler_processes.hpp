@@ -2,6 +2,7 @@
 // number of threads and contexts, but those of several processes at once.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -24,8 +25,9 @@ void set_compiler_program(const std::string& path);
 
 /// Compiles programs in other processes, so that the cache holds them afterwards. Programs that another thread compiles
 /// so at the same time are waited for. Blocks. A program that fails is not in the cache, and whoever compiles it next
-/// learns why.
-void compile_in_processes(const Device& device, const std::vector<ProgramRequest>& programs);
+/// learns why. `one_done` is called after each, from any thread.
+void compile_in_processes(const Device& device, const std::vector<ProgramRequest>& programs,
+                          const std::function<void()>& one_done = {});
 
 /// While one exists, the processes wait for more programs: opening a context takes each 0.3 s, one after the other.
 class KeepCompilers {

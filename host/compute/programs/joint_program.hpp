@@ -32,9 +32,9 @@ struct JointSource {
 /// slower.
 void compile_jointly(const Device& device, const std::function<void()>& load, bool optimized = true);
 
-/// Compiles the files that `load` requests from load_kernel, or loads them from the cache, in parallel threads or
-/// processes, if the tuning table says that this suits the device. `load` is called as above, and may call this, too.
-/// load_kernel reports files that do not compile.
+/// Compiles the files that `load` requests from load_kernel, or loads them from the cache: in parallel threads or
+/// processes if the tuning table says that this suits the device, else one after the other, if someone is told how far
+/// that is. `load` is called as above, and may call this, too. load_kernel reports files that do not compile.
 void compile_side_by_side(const Device& device, const std::function<void()>& load);
 
 /// Makes load_kernel forget programs that were not optimized. Loaded kernels are unaffected.
