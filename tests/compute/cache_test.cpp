@@ -3,7 +3,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <future>
@@ -41,10 +43,12 @@ protected:
     }
     void expect_compiled(Counts counts) const { EXPECT_TRUE(counts.compiled == 1 && counts.from_cache == 0); }
     void expect_from_cache(Counts counts) const { EXPECT_TRUE(counts.compiled == 0 && counts.from_cache == 1); }
-    /// But for the one that locks.
+    /// Of programs, and what else should not be there.
     std::vector<fs::path> files() const {
         std::vector<fs::path> files(fs::directory_iterator(folder_.path()), fs::directory_iterator{});
-        std::erase_if(files, [](const fs::path& file) { return file.extension() == ".lock"; });
+        std::erase_if(files, [](const fs::path& file) {
+            return file.extension() == ".lock" || file.filename() == "programs.key" || file.filename() == "drivers.ok";
+        });
         return files;
     }
 
@@ -126,6 +130,49 @@ TEST_F(Cache, SwappedFilesAreCompiledAnew) {
     overwrite(of_two, one);
     expect_compiled(compile(2));
     expect_from_cache(compile(2));
+}
+
+/// The identity in a file, and what follows it.
+std::pair<std::string, std::vector<unsigned char>> identity_and_binary(const std::string& file) {
+    constexpr std::size_t header_bytes = 32, length_at = 24;  // docs/formats.md
+    std::uint32_t length = 0;
+    std::memcpy(&length, &file[length_at], sizeof length);
+    return {file.substr(header_bytes, length), {file.begin() + header_bytes + length, file.end()}};
+}
+
+/// A binary that the driver takes but that lacks the kernel.
+TEST_F(Cache, BinariesOfOtherKernelsAreCompiledAnew) {
+    if (device().info().platform != "Portable Computing Language") GTEST_SKIP() << "the driver tells no parameters";
+    expect_compiled(compile(1));
+    const fs::path of_one = files().at(0);
+    const Device fresh = Device::open(std::to_string(device().info().index));
+    (void)compile_kernel(fresh, "kernel void put(global int* out) { *out = 1; }", "put");
+    const fs::path of_other = files().at(0) == of_one ? files().at(1) : files().at(0);
+    const auto [identity, good] = identity_and_binary(read_file(of_one));
+    const auto [unused, other] = identity_and_binary(read_file(of_other));
+    std::vector<unsigned char> mixed(good.begin(), std::find(good.begin(), good.end(), 0));
+    mixed.insert(mixed.end(), std::find(other.begin(), other.end(), 0), other.end());
+    ASSERT_EQ(store_cached_program(identity, mixed), "");
+    expect_compiled(compile(1));
+    expect_from_cache(compile(1));
+}
+
+/// As if a file came from another machine, or another program had made it with a checksum that seems right.
+TEST_F(Cache, FilesWithoutTheFoldersKeyAreCompiledAnew) {
+    expect_compiled(compile(1));
+    expect_from_cache(compile(1));
+    const fs::path key = folder_ / "programs.key";
+    EXPECT_EQ(fs::status(key).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+    const std::string before = read_file(key);
+    for (const std::string& damaged : {std::string(before.size(), 'x'), std::string("short")}) {
+        overwrite(key, damaged);
+        expect_compiled(compile(1));
+        expect_from_cache(compile(1));
+    }
+    fs::remove(key);
+    expect_compiled(compile(1));
+    EXPECT_NE(read_file(key), before);
+    EXPECT_EQ(read_file(key).size(), before.size());
 }
 
 TEST_F(Cache, WhatOthersCanHaveWrittenIsNotTrusted) {

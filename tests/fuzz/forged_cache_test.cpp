@@ -16,10 +16,11 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t sum_at = 8, header_bytes = 32;  // docs/formats.md
 
-/// The checksum stands before what it is of.
-void mend_program(FileBytes& file) {
+/// The checksum stands before what it is of. `key`: of the folder; empty: that of another.
+void mend_program(FileBytes& file, const std::string& key) {
     if (file.size() < header_bytes) return;
-    const Digest sum = digest_of(&file[sum_at + sizeof sum], file.size() - sum_at - sizeof sum);
+    const std::string all = key + std::string(file.begin() + sum_at + sizeof(Digest), file.end());
+    const Digest sum = digest_of(all.data(), all.size());
     std::memcpy(&file[sum_at], sum.data(), sizeof sum);
 }
 
@@ -50,12 +51,17 @@ TEST_F(ForgedPrograms, AreOfTheProgramAskedForOrPassedBy) {
     };
     EXPECT_TRUE(is_read(good[0]));
     EXPECT_FALSE(is_read(good[1])) << "another program's, under this one's name";
-    const ForgedOutcome outcome = try_forged(good, forged_count(300), begin, mend_program, is_read);
+    const std::string key = read_file(folder_ / "programs.key");
+    const auto mended = [&](FileBytes& file) { mend_program(file, key); };
+    const ForgedOutcome outcome = try_forged(good, forged_count(300), begin, mended, is_read);
     std::printf("%u read, %u passed by, memory grew by %.1f MB\n", outcome.read, outcome.refused,
                 double(outcome.grown_bytes) * 1e-6);
     EXPECT_GT(outcome.read, 0u) << "what changes the binary alone is read";
     EXPECT_GT(outcome.refused, outcome.read);
     EXPECT_LT(outcome.grown_bytes, 4u << 20);
+    const auto without_key = [](FileBytes& file) { mend_program(file, ""); };
+    EXPECT_EQ(try_forged(good, forged_count(300), begin, without_key, is_read).read, 0u)
+        << "drivers crash on binaries that others change";
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // Compiled programs on disk, under $XDG_CACHE_HOME/claray.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,8 +14,9 @@ namespace claray {
 /// one compiles it, and the others find its binary. Does not lock if the folder cannot be opened.
 class CacheLock {
 public:
-    /// Locks one key (hexadecimal as from hash128) among those of the lock file with this name in the cache.
-    CacheLock(const std::string& file, const std::string& key);
+    /// Locks one key (hexadecimal as from hash128) among those of the lock file with this name in the cache. Calls
+    /// `waits` before it waits for another.
+    CacheLock(const std::string& file, const std::string& key, const std::function<void()>& waits = {});
     ~CacheLock();
     CacheLock(const CacheLock&) = delete;
     CacheLock& operator=(const CacheLock&) = delete;
@@ -24,8 +26,9 @@ private:
 };
 
 /// The stored binary with this full `identity` (the file's name is only its hash). Nothing if there is none, it cannot
-/// be read, its checksum or identity differs, or others than this user and root can have written it. A bad file is
-/// kept: an I/O error says nothing about the content (drjit-core, src/io.cpp); storing replaces it.
+/// be read, its checksum or identity differs, or others than this user and root can have written it. The checksum
+/// depends on a random key in the folder, so that nobody else makes a file with the right one by accident. A bad file
+/// is kept: an I/O error says nothing about the content (drjit-core, src/io.cpp); storing replaces it.
 std::optional<std::vector<unsigned char>> load_cached_program(const std::string& identity);
 
 /// Stores a binary by a temporary file and rename, so that readers and other writers never see a part of it. Failure is
