@@ -20,21 +20,6 @@ fs::path xdg_folder(const char* variable, const char* below_home) {
     return {};
 }
 
-/// `claray-UID` in the system's temporary folder. Because others can write there, it must be a folder (not a link) that
-/// belongs to this user and is closed to others; else empty.
-fs::path temporary_folder() {
-    std::error_code error;
-    const fs::path folder = fs::temp_directory_path(error) / ("claray-" + std::to_string(::geteuid()));
-    if (error) return {};
-    ::mkdir(folder.c_str(), 0700);
-    struct stat found = {};
-    const bool is_ours = ::lstat(folder.c_str(), &found) == 0 && S_ISDIR(found.st_mode) &&
-                         found.st_uid == ::geteuid() && (found.st_mode & 077) == 0;
-    if (is_ours) return folder;
-    std::string name = folder.string() + "-XXXXXX";
-    return ::mkdtemp(name.data()) != nullptr ? fs::path(name) : fs::path();
-}
-
 }  // namespace
 
 bool make_writable(const fs::path& folder) {
@@ -59,14 +44,20 @@ fs::path log_folder() {
     const fs::path state = xdg_folder("XDG_STATE_HOME", ".local/state");
     if (!state.empty() && make_writable(state / "claray")) return state / "claray";
     if (const fs::path cache = cache_folder(); make_writable(cache)) return cache;
-    return temporary_folder();
+    std::error_code none;
+    return user_folder_in(fs::temp_directory_path(none));
 }
 
-fs::path pocl_folder() {
-    if (const fs::path cache = cache_folder(); make_writable(cache) && make_writable(cache / "pocl"))
-        return cache / "pocl";
-    const fs::path temporary = temporary_folder();
-    return !temporary.empty() && make_writable(temporary / "pocl") ? temporary / "pocl" : fs::path();
+fs::path user_folder_in(const fs::path& temporary) {
+    if (temporary.empty()) return {};
+    const fs::path folder = temporary / ("claray-" + std::to_string(::geteuid()));
+    ::mkdir(folder.c_str(), 0700);
+    struct stat found = {};
+    const bool is_ours = ::lstat(folder.c_str(), &found) == 0 && S_ISDIR(found.st_mode) &&
+                         found.st_uid == ::geteuid() && (found.st_mode & 077) == 0;
+    if (is_ours) return folder;
+    std::string name = folder.string() + "-XXXXXX";
+    return ::mkdtemp(name.data()) != nullptr ? fs::path(name) : fs::path();
 }
 
 std::shared_ptr<const fs::path> scratch_folder() {

@@ -13,9 +13,9 @@ namespace claray {
 /// the system's temporary folder. Created if necessary; empty if none is writable.
 [[nodiscard]] std::filesystem::path log_folder();
 
-/// A writable folder for PoCL's files: `pocl` in the cache folder, else in the user's folder in the system's temporary
-/// folder. Empty if there is none.
-[[nodiscard]] std::filesystem::path pocl_folder();
+/// `claray-UID` in a temporary folder. Because others can write there, it must be a folder (not a link) that belongs to
+/// this user and is closed to others; else it gets a name that nobody knew. Empty if it cannot be made.
+[[nodiscard]] std::filesystem::path user_folder_in(const std::filesystem::path& temporary);
 
 /// Creates the folder, for its owner only, if it does not exist. Returns false if it cannot be created or written to.
 [[nodiscard]] bool make_writable(const std::filesystem::path& folder);

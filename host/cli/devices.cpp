@@ -7,6 +7,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/output/messages.hpp"
 #include "host/cli/output/table.hpp"
+#include "host/compute/icd.hpp"
 
 namespace claray::cli {
 namespace {
@@ -55,21 +56,23 @@ void print_as_json(const std::vector<DeviceInfo>& infos) {
     print_json(devices);
 }
 
-void print_tuning_warnings(const Device& device) {
-    for (const std::string& warning : tuning_warnings(device)) print_warning(warning);
+void print_lines(const std::vector<std::string>& warnings) {
+    for (const std::string& warning : warnings) print_warning(warning);
 }
 
 }  // namespace
 
 Device open_device(const std::string& selector) {
     Device device = Device::open(selector);
-    print_tuning_warnings(device);
+    print_lines(crashing_drivers());
+    print_lines(tuning_warnings(device));
     return device;
 }
 
 std::vector<Device> open_devices(const std::string& selectors) {
     std::vector<Device> devices = Device::open_several(selectors);
-    for (const Device& device : devices) print_tuning_warnings(device);
+    print_lines(crashing_drivers());
+    for (const Device& device : devices) print_lines(tuning_warnings(device));
     return devices;
 }
 
@@ -78,7 +81,10 @@ void add_devices_command(CLI::App& app, Action& action) {
     auto json = std::make_shared<bool>(false);
     command->add_flag("--json", *json, "Print as JSON, with all extensions");
     command->callback([&action, json] {
-        action = [json] { *json ? print_as_json(list_devices()) : print_as_table(list_devices()); };
+        action = [json] {
+            *json ? print_as_json(list_devices()) : print_as_table(list_devices());
+            print_lines(failing_drivers());
+        };
     });
 }
 

@@ -8,6 +8,7 @@
 #include "host/compute/device_error.hpp"
 #include "host/compute/device_state.hpp"
 #include "host/compute/driver_setup.hpp"
+#include "host/compute/icd.hpp"
 #include "host/compute/tuning.hpp"
 
 namespace claray {
@@ -117,10 +118,11 @@ std::size_t select(const std::vector<DeviceInfo>& infos, const std::string& sele
     std::vector<std::size_t> found;
     for (const DeviceInfo& info : infos)
         if (matches(info, selector)) found.push_back(info.index);
+    const std::vector<std::string> failing = found.empty() ? failing_drivers() : std::vector<std::string>();
     if (found.size() != 1)
         throw Error(ErrorKind::usage,
                     (found.empty() ? "no device matches '" : "several devices match '") + selector + "'",
-                    "available: " + listing(infos));
+                    "available: " + listing(infos) + (failing.empty() ? "" : "; " + failing.front()));
     return found[0];
 }
 

@@ -10,8 +10,8 @@
 #include <mutex>
 #include <vector>
 
-#include "claray/error.hpp"
-#include "host/base/folders.hpp"
+#include "host/compute/icd.hpp"
+#include "host/compute/pocl_folder.hpp"
 
 namespace claray {
 namespace {
@@ -21,28 +21,6 @@ namespace fs = std::filesystem;
 const char* value_of(const char* variable) {
     const char* value = std::getenv(variable);
     return value != nullptr ? value : "";
-}
-
-/// PoCL's default (lib/CL/pocl_cache.c, 3.1 to 6.0): in $XDG_CACHE_HOME or ~/.cache. Without these it takes /tmp/pocl,
-/// where other users could place programs: unusable.
-fs::path default_pocl_folder() {
-    fs::path folder = value_of("XDG_CACHE_HOME");
-    if (folder.empty() && *value_of("HOME") != '\0') folder = fs::path(value_of("HOME")) / ".cache";
-    return folder.empty() ? folder : folder / "pocl" / "kcache";
-}
-
-/// Returns false if there is no folder to which PoCL could write.
-bool give_pocl_a_folder() {
-    const fs::path chosen = value_of("POCL_CACHE_DIR");
-    if (!chosen.empty()) {
-        if (make_writable(chosen)) return true;
-        throw Error(ErrorKind::user, "POCL_CACHE_DIR is '" + chosen.string() + "', which is not writable",
-                    "set it to a writable folder");
-    }
-    ::unsetenv("POCL_CACHE_DIR");  // PoCL 3.1 aborts if it is set and empty
-    if (make_writable(default_pocl_folder())) return true;
-    const fs::path own = pocl_folder();
-    return !own.empty() && ::setenv("POCL_CACHE_DIR", own.c_str(), 1) == 0;
 }
 
 void give_threads_a_stack() {
@@ -101,6 +79,7 @@ void set_up_drivers() {
         pocl_can_write = give_pocl_a_folder();
         give_threads_a_stack();
         compile_kernels_once();
+        leave_out_crashing_drivers();
     });
 }
 
@@ -119,7 +98,10 @@ void bind_threads_started_by(const std::function<void()>& start) {
 }
 
 std::string no_device_remedy() {
-    if (!pocl_can_write) return "PoCL has no writable folder: set POCL_CACHE_DIR, HOME or TMPDIR to a writable folder";
+    const std::vector<std::string> failing = failing_drivers();
+    if (!failing.empty()) return failing.front();
+    if (!pocl_can_write)
+        return "PoCL has no folder: set POCL_CACHE_DIR, HOME or TMPDIR to one that is writable and has 32 MB";
     return "install a driver, for example for CPUs: apt-get install pocl-opencl-icd";
 }
 

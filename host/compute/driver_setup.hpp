@@ -6,11 +6,10 @@
 
 namespace claray {
 
-/// Must be called once per process, before the first call of OpenCL. PoCL finds no device, or crashes, if it cannot
-/// write to its cache: if the user sets no folder and PoCL's default is not writable, it gets claray's folder. Worker
-/// threads get a stack of 8 MiB, whatever `ulimit -s` says, because kernels run on it. PoCL compiles each kernel once,
-/// for work-groups of any size, unless $POCL_WORK_GROUP_SPECIALIZATION is set. Throws ErrorKind::user if
-/// $POCL_CACHE_DIR is not writable.
+/// Must be called once per process, before the first call of OpenCL. PoCL gets a folder (pocl_folder.hpp), and drivers
+/// that crash are left out (icd.hpp). Worker threads get a stack of 8 MiB, whatever `ulimit -s` says, because kernels
+/// run on it. PoCL compiles each kernel once, for work-groups of any size, unless $POCL_WORK_GROUP_SPECIALIZATION is
+/// set. Throws ErrorKind::user if $POCL_CACHE_DIR is not writable.
 void set_up_drivers();
 
 /// Runs `start`, the first call that makes PoCL start its threads, and binds each of them to a processor, unless the

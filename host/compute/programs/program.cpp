@@ -10,8 +10,10 @@
 #include "host/compute/device_error.hpp"
 #include "host/compute/device_state.hpp"
 #include "host/compute/memory.hpp"
+#include "host/compute/pocl_folder.hpp"
 #include "host/compute/programs/build_report.hpp"
 #include "host/compute/programs/compiler_processes.hpp"
+#include "host/compute/programs/compiling.hpp"
 #include "host/compute/programs/joint_program.hpp"
 #include "host/compute/programs/kernel_sources.hpp"
 #include "host/compute/programs/program_cache.hpp"
@@ -108,6 +110,9 @@ std::string with_file_names(std::string log, const KernelSource& main) {
 
 [[noreturn]] void throw_build_error(const Device& device, const KernelSource& main, const std::string& options,
                                     const std::string& log) {
+    if (is_pocl(device) && pocl_disk_is_full())
+        throw Error(ErrorKind::device, "cannot compile the kernel " + main.path + ": the disk of PoCL's folder is full",
+                    "free some space, or set POCL_CACHE_DIR to a folder with more");
     throw Error(
         ErrorKind::device,
         "cannot compile the kernel " + main.path + " for " + device.info().name + " with options '" + options + "'", {},
@@ -167,11 +172,22 @@ std::optional<cl::Program> compile_by_one_call(const Device& device, const Kerne
     }
 }
 
-/// Nothing if the driver refuses its own binary (for example after an update that kept the version string).
-std::optional<cl::Program> build_from_binary(const Device& device, const std::vector<unsigned char>& binary) try {
+/// Whether a program has all kernels of these parameters.
+bool has_kernels(const cl::Program& program, const std::string& parameters) {
+    const std::string names = ';' + program.getInfo<CL_PROGRAM_KERNEL_NAMES>() + ';';
+    std::istringstream lines(parameters);
+    for (std::string line; std::getline(lines, line);)
+        if (names.find(';' + line.substr(0, line.find(' ')) + ';') == std::string::npos) return false;
+    return true;
+}
+
+/// Nothing if the driver refuses its own binary (for example after an update that kept the version string), or if it is
+/// of other kernels.
+std::optional<cl::Program> build_from_binary(const Device& device, const std::vector<unsigned char>& binary,
+                                             const std::string& parameters) try {
     cl::Program program(device.context(), {device.state().device}, {binary});
     program.build({device.state().device}, "");
-    return program;
+    return has_kernels(program, parameters) ? std::optional(program) : std::nullopt;
 } catch (const cl::Error&) {
     return {};
 }
@@ -189,17 +205,18 @@ std::optional<cl::Program> load_from_cache(const Device& device, const std::stri
     const auto end =
         std::find(cached->begin(), cached->end(), '\0');  // end of the parameters, which precede the binary
     if (end == cached->end()) return {};
-    auto program = build_from_binary(device, {end + 1, cached->end()});
-    if (program) remember_parameters(device, *program, {cached->begin(), end});
+    const std::string parameters(cached->begin(), end);
+    auto program = build_from_binary(device, {end + 1, cached->end()}, parameters);
+    if (program) remember_parameters(device, *program, parameters);
     if (program) statistics.change([](CompileStatistics& s) { ++s.from_cache; });
     return program;
 }
 
-/// PoCL 3.1 lists its cache folder while it returns a binary, and crashes on temporary folders that other processes
-/// have removed meanwhile: of the processes that share a folder, one compiles at a time.
-std::string key_of_pocl_folder() {
-    const char* folder = std::getenv("POCL_CACHE_DIR");
-    return hash128(folder != nullptr ? folder : "");
+/// PoCL 3.1 lists its cache folder while it returns a binary, and crashes on temporary folders that other threads have
+/// removed meanwhile: one thread compiles at a time.
+std::unique_lock<std::mutex> alone_if_needed(const Device& device) {
+    static std::mutex mutex;
+    return is_pocl(device) ? std::unique_lock(mutex) : std::unique_lock<std::mutex>();
 }
 
 /// Names and types of the parameters of a program's kernels, one line each. They are stored with binaries, which do not
@@ -224,14 +241,16 @@ std::vector<unsigned char> with_parameters(const std::string& parameters, const 
     return all;
 }
 
-cl::Program compile(const Device& device, const KernelSource& main, const std::string& options) {
+/// `kernels`: how many are told to be compiled if the cache does not have the program; 0 if they were told before.
+cl::Program compile(const Device& device, const KernelSource& main, const std::string& options, unsigned kernels) {
     const std::string identity = cache_identity(device, main, options);
     // Loading the same program waits, too: NVIDIA's driver assembles a loaded program and keeps it for the next
     // process.
-    const CacheLock lock("programs", hash128(identity));
+    std::optional<Compiling> told;  // also where another process compiles it
+    const CacheLock lock("programs", hash128(identity), [&] { told.emplace(kernels); });
     if (const auto program = load_from_cache(device, identity)) return *program;
-    std::optional<CacheLock> alone;
-    if (is_pocl(device)) alone.emplace("pocl", key_of_pocl_folder());
+    if (!told) told.emplace(kernels);
+    const std::unique_lock<std::mutex> alone = alone_if_needed(device);
     const std::optional<cl::Program> by_one_call = compile_by_one_call(device, main, options);
     cl::Program program = by_one_call ? *by_one_call : compile_from_source(device, main, options);
     statistics.change([](CompileStatistics& s) { ++s.compiled; });
@@ -243,7 +262,7 @@ cl::Program compile(const Device& device, const KernelSource& main, const std::s
     // NVIDIA's driver keeps the machine code of a linked program under another key than that of its binary, which the
     // next process would assemble again.
     if (!by_one_call && device.tuning("compute/programs", "ONE_CALL") != 0 && !binaries.empty() && !binaries[0].empty())
-        (void)build_from_binary(device, binaries[0]);
+        (void)build_from_binary(device, binaries[0], parameters);
     const std::string error =
         binaries.empty() ? "" : store_cached_program(identity, with_parameters(parameters, binaries[0]));
     if (!error.empty()) statistics.change([&](CompileStatistics& s) { s.cache_error = error; });
@@ -261,9 +280,10 @@ void add_milliseconds_since(std::chrono::steady_clock::time_point begin) {
     statistics.change([&](CompileStatistics& s) { s.milliseconds += took; });
 }
 
-cl::Program timed_compile(const Device& device, const KernelSource& main, const std::string& options) {
+cl::Program timed_compile(const Device& device, const KernelSource& main, const std::string& options,
+                          unsigned kernels = 1) {
     const auto begin = std::chrono::steady_clock::now();
-    cl::Program program = compile(device, main, options);
+    cl::Program program = compile(device, main, options, kernels);
     add_milliseconds_since(begin);
     return program;
 }
@@ -439,7 +459,7 @@ void compile_jointly(const Device& device, const std::function<void()>& load, bo
     try {
         const std::string joint_options =
             build_options(device, {}, Math::strict) + (optimized ? "" : " -cl-opt-disable -DCLARAY_UNOPTIMIZED=1");
-        const cl::Program program = timed_compile(device, joint.source, joint_options);
+        const cl::Program program = timed_compile(device, joint.source, joint_options, unsigned(joint.members.size()));
         for (const KernelRequest& member : joint.members) {
             const std::string options = build_options(device, member.defines, Math::strict);
             const std::string key = key_in_memory(kernel_source(member.file), options, false);
@@ -476,44 +496,54 @@ std::vector<Wanted> wanted_by(const Device& device, const std::function<void()>&
 /// Nothing if it is not in the cache.
 std::optional<cl::Program> load_if_cached(const Device& device, const Wanted& one) {
     const std::string identity = cache_identity(device, kernel_source(one.file), one.options);
-    const CacheLock lock("programs", hash128(identity));  // as in `compile`
+    std::optional<Compiling> told;
+    const CacheLock lock("programs", hash128(identity), [&] { told.emplace(1); });  // as in `compile`
     return load_from_cache(device, identity);
 }
 
-/// Loads the programs that are in the cache, and has the others put there. A single one compiles in this process
-/// without the start of another, unless threads with other contexts compile, too.
-void load_or_compile_in_processes(const Device& device, std::vector<Wanted>& wanted, bool alone) {
-    in_parallel(wanted.size(), [&](std::size_t i) { wanted[i].program = load_if_cached(device, wanted[i]); });
-    std::vector<ProgramRequest> missing;
-    for (const Wanted& one : wanted)
-        if (!one.program) missing.push_back({one.file, one.options});
+/// Has programs put into the cache. A single one compiles in this process without the start of another, unless threads
+/// with other contexts compile, too.
+void compile_in_processes(const Device& device, const std::vector<ProgramRequest>& missing, bool alone,
+                          Compiling& told) {
     if (missing.empty() || (alone && missing.size() == 1)) return;
     const auto& [file, options] = missing.front();
     const bool can_store = store_cached_program(cache_identity(device, kernel_source(file), options), {}).empty();
-    if (can_store) compile_in_processes(device, missing);
+    if (can_store) compile_in_processes(device, missing, [&] { told.one_done(); });
+}
+
+/// Calls `work` for each of `count` numbers, in parallel threads or one after the other.
+void for_each(std::size_t count, bool in_threads, const std::function<void(std::size_t)>& work) {
+    if (in_threads) return in_parallel(count, work);
+    for (std::size_t i = 0; i < count; ++i) work(i);
 }
 
 }  // namespace
 
 void compile_for_cache(const Device& device, const ProgramRequest& program) {
-    static_cast<void>(compile(device, kernel_source(program.file), program.options));
+    static_cast<void>(compile(device, kernel_source(program.file), program.options, 1));
 }
 
 void compile_side_by_side(const Device& device, const std::function<void()>& load) {
     if (device.state().requests != nullptr) return load();  // part of what another call compiles
-    const bool in_threads = device.tuning("compute/programs", "SIDE_BY_SIDE") != 0;
-    const bool in_processes = has_compiler_processes(device);
-    if (!in_threads && !in_processes) return;
+    const bool side_by_side = device.tuning("compute/programs", "SIDE_BY_SIDE") != 0;
+    const bool in_processes = has_compiler_processes(device), in_threads = side_by_side || in_processes;
+    if (!in_threads && !is_told_of_compiling()) return;  // load_kernel does the same
     std::vector<Wanted> wanted = wanted_by(device, load);
     auto& programs = device.state().programs;
     const auto begin = std::chrono::steady_clock::now();
-    if (in_processes) load_or_compile_in_processes(device, wanted, in_threads);
-    in_parallel(wanted.size(), [&](std::size_t i) {
+    for_each(wanted.size(), in_threads, [&](std::size_t i) { wanted[i].program = load_if_cached(device, wanted[i]); });
+    std::vector<ProgramRequest> missing;
+    for (const Wanted& one : wanted)
+        if (!one.program) missing.push_back({one.file, one.options});
+    Compiling told(unsigned(missing.size()));
+    if (in_processes) compile_in_processes(device, missing, side_by_side, told);
+    for_each(wanted.size(), in_threads, [&](std::size_t i) {
         if (wanted[i].program) return;
         try {
-            wanted[i].program = compile(device, kernel_source(wanted[i].file), wanted[i].options);
+            wanted[i].program = compile(device, kernel_source(wanted[i].file), wanted[i].options, 0);
         } catch (const std::exception&) {  // load_kernel will report the reason
         }
+        if (!in_processes) told.one_done();
     });
     add_milliseconds_since(begin);
     for (const Wanted& one : wanted)
