@@ -1,32 +1,45 @@
 // claray compile: compiles kernels in advance.
+#include <unistd.h>
+
+#include <chrono>
 #include <cstdio>
 #include <memory>
+#include <thread>
 
 #include "claray/renderer.hpp"
+#include "host/base/seconds_since.hpp"
 #include "host/cli/commands.hpp"
-#include "host/cli/options/bvh_options.hpp"
-#include "host/cli/options/render_options.hpp"
+#include "host/cli/options/compile_options.hpp"
 #include "host/compute/programs/compiler_processes.hpp"
 #include "host/render/kernels/background_compiler.hpp"
 
 namespace claray::cli {
 namespace {
 
-struct CompileOptions {
-    std::string device, effects;
-    RenderConfig config;
-    bool quiet = false, and_generic = false, serves = false;
-};
+/// Ends this process in the middle of its work, which a driver cannot interrupt. Both caches only get whole files.
+void end_when_told(const std::shared_ptr<CompilerWatch>& watch) {
+    std::thread([watch, begin = std::chrono::steady_clock::now()] {
+        while (!watch->must_end(seconds_since(begin))) std::this_thread::sleep_for(std::chrono::milliseconds(200));
+        ::_exit(0);
+    }).detach();
+}
+
+/// The kernels of a render, then the generic ones.
+void compile_in_background(const CompileOptions& options) {
+    const auto watch = std::make_shared<CompilerWatch>();
+    end_when_told(watch);
+    const Device device = Device::open(options.device);
+    compile_kernels(device, parse_effects(options.effects), options.config);
+    watch->let_others_compile();
+    compile_kernels(device, full_effects(), options.config);
+}
 
 void compile(const CompileOptions& options) {
+    if (options.background) return compile_in_background(options);
     const Device device = Device::open(options.device);
     if (options.serves) return serve_as_compiler(device);
     const EffectSet effects = options.effects.empty() ? full_effects() : parse_effects(options.effects);
     compile_kernels(device, effects, options.config);
-    if (options.and_generic) {
-        let_others_compile();
-        compile_kernels(device, full_effects(), options.config);
-    }
     const CompileStatistics statistics = compile_statistics();
     if (!options.quiet)
         std::printf("%s: %u compiled, %u from the cache, %.1f s\n", to_string(effects).c_str(), statistics.compiled,
@@ -43,13 +56,7 @@ void add_compile_command(CLI::App& app, Action& action) {
         "does\n"
         "this automatically in the background.");
     auto options = std::make_shared<CompileOptions>();
-    command->add_option("--effects", options->effects, "Effects that the kernels support: NAME,NAME... [all]");
-    command->add_option("--device", options->device, "cpu, gpu, an index or part of a name (see claray devices)");
-    add_bvh_options(*command, options->config.bvh);
-    add_approximate_option(*command, options->config.approximate);
-    command->add_flag("--and-generic", options->and_generic, "Also compile the generic kernels afterwards");
-    command->add_flag("--serve", options->serves)->group("");  // for other processes of this program
-    command->add_flag("-q,--quiet", options->quiet, "Print nothing");
+    add_compile_options(*command, *options);
     command->callback([&action, options] { action = [options] { compile(*options); }; });
 }
 

@@ -37,6 +37,11 @@ void InFlight::drain() {
     while (!batches_.empty()) wait_for_oldest();
 }
 
+void InFlight::pause() {
+    drain();
+    before_.reset();
+}
+
 void InFlight::submitted(std::uint32_t paths) try {
     batches_.push_back({Mark(device_), paths});
     device_.queue().flush();

@@ -35,6 +35,8 @@ public:
     [[nodiscard]] std::uint64_t paths() const;
     /// Waits for all batches.
     void drain();
+    /// Waits for all batches; the time until the next one is submitted is not measured.
+    void pause();
     /// Must be called after each batch; waits for the batch before the last.
     void submitted(std::uint32_t paths);
 

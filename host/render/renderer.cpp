@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <thread>
 
 #include "host/base/seconds_since.hpp"
 #include "host/render/config/checks.hpp"
@@ -166,7 +165,7 @@ RenderProgress Renderer::render_for(double seconds, const std::function<bool(con
     Clock::time_point last_checkpoint = Clock::now();
     while (!state.target_met()) {
         if (state.better_waits_for_kernels())
-            std::this_thread::sleep_for(std::chrono::milliseconds(20));
+            state.wait_for_kernels(in_flight);
         else
             state.trace(state.schedule.next(state.paths_of_next_batch(in_flight)), in_flight);
         state.choose_kernels(state.spp() > 0);

@@ -71,6 +71,14 @@ struct PathKernelChoice {
     bool is_cached = false, is_loaded = false;
 };
 
+/// What a render knows of the process that compiles its own kernels.
+struct CompilerInBackground {
+    bool is_asked = false;  ///< false: that of another render runs
+    std::chrono::steady_clock::time_point last_asked;
+    bool is_waited_for = false;  ///< now, instead of sampling
+    double waited = 0;           ///< seconds
+};
+
 struct Renderer::State {
     using Clock = std::chrono::steady_clock;
 
@@ -87,7 +95,9 @@ struct Renderer::State {
     /// Called after each batch. `sampled`: every pixel has a sample.
     void choose_kernels(bool sampled);
     void take_over_when_compiled();
-    [[nodiscard]] bool better_waits_for_kernels() const;
+    void ask_for_compiler();
+    [[nodiscard]] bool better_waits_for_kernels();
+    void wait_for_kernels(InFlight& in_flight);
     void take_over();
     [[nodiscard]] bool may_follow_paths() const;
     [[nodiscard]] PathKernelChoice choose_path_kernel() const;
@@ -217,11 +227,10 @@ struct Renderer::State {
     Film::Error last_error;                                         // the last estimate
     std::optional<double> light_cut_off;                            // once it was asked for
     unsigned last_error_spp = 0;                                    // samples per pixel at that time
-    bool compiler_asked = false;                                    // false: that of another render runs
-    Clock::time_point last_asked;                                   // for a compiler
-    bool error_is_new = false;                                      // not reported yet
-    double measuring_seconds = 0;                                   // for noise and error
-    std::map<std::string, double> before;                           // the profiler's times at the start of this render
+    CompilerInBackground compiler;
+    bool error_is_new = false;             // not reported yet
+    double measuring_seconds = 0;          // for noise and error
+    std::map<std::string, double> before;  // the profiler's times at the start of this render
 };
 
 }  // namespace claray

@@ -41,6 +41,7 @@ RenderProgress Renderer::State::measure() {
     progress.error = last_error.estimate, progress.error_bound = last_error.bound;
     progress.error_spp = last_error_spp, progress.cut_off = light_cut_off.value_or(0);
     progress.own_kernels = own_kernels;
+    progress.waits_for_kernels = compiler.is_waited_for;
     progress.dropped_samples = noise.dropped;
     progress.culled = culled;
     progress.seconds = begin ? seconds_since(*begin) : 0;

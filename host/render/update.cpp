@@ -92,7 +92,7 @@ void Renderer::State::support(EffectSet effects) {
     if (wavefront.supports(effects, has_lights(buffers.lights))) return;
     plan = plan_kernels(device, effects, config);
     own_kernels = plan.first == plan.last;
-    compiler_asked = false;
+    compiler = {};
     const Layout layout = plan.first.layout;
     const bool same_tree = structure.instanced() || structure.parts() || structure.bvh().layout() == layout;
     adopt(same_tree ? structure : structure.rebuilt(with_layout(config.bvh, layout)), plan.first.effects);

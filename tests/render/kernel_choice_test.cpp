@@ -5,8 +5,6 @@
 #include <gtest/gtest.h>
 #include <sys/file.h>
 #include <sys/resource.h>
-#include <sys/socket.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -223,36 +221,52 @@ TEST_F(BackgroundCompiler, IsTheOnlyOne) {
     EXPECT_TRUE(start()) << "what it compiles would be lost: there is nothing to ask for again";
 }
 
-/// In a process of its own, whose files no other thread opens.
-TEST_F(BackgroundCompiler, LetsOthersStartBeforeWorkThatCanWait) {
-    constexpr int inherited = STDERR_FILENO + 1;
-    const int lock = ::open((folder_ / "compiler.lock").c_str(), O_RDWR | O_CREAT, 0600);
-    ASSERT_EQ(::flock(lock, LOCK_EX), 0);
-    int ends[2];
-    ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM, 0, ends), 0);
-    const pid_t compiler = ::fork();
-    if (compiler == 0) {
-        const int end = ::fcntl(ends[1], F_DUPFD, 100), same_lock = ::fcntl(lock, F_DUPFD, 100);
-        ::close(ends[0]), ::close(ends[1]), ::close(lock), ::dup2(same_lock, inherited), ::close(same_lock);
-        char go = 0;
-        if (::read(end, &go, 1) != 1) ::_exit(1);
-        let_others_compile();
-        if (::write(end, "r", 1) != 1 || ::read(end, &go, 1) != 1) ::_exit(1);
-        ::dup2(end, inherited);
-        let_others_compile();
-        ::_exit(::fcntl(inherited, F_GETFD) >= 0 ? 0 : 2);
+/// Another process, as far as locks can tell.
+class AnotherRender {
+public:
+    explicit AnotherRender(const std::filesystem::path& cache)
+        : file_(::open((cache / "renders.lock").c_str(), O_RDWR | O_CREAT, 0600)) {
+        EXPECT_EQ(::flock(file_, LOCK_SH), 0);
     }
-    ::close(lock), ::close(ends[1]);
-    EXPECT_FALSE(start());
-    char released = 0;
-    ASSERT_EQ(::write(ends[0], "g", 1), 1);
-    ASSERT_EQ(::read(ends[0], &released, 1), 1);
-    EXPECT_TRUE(start());
-    ASSERT_EQ(::write(ends[0], "e", 1), 1);
-    ::close(ends[0]);
-    int status = -1;
-    EXPECT_EQ(::waitpid(compiler, &status, 0), compiler);
-    EXPECT_EQ(status, 0) << "files of others stay open";
+    ~AnotherRender() { ::close(file_); }
+    AnotherRender(const AnotherRender&) = delete;
+    AnotherRender& operator=(const AnotherRender&) = delete;
+
+private:
+    int file_;
+};
+
+TEST_F(BackgroundCompiler, EndsAWhileAfterTheLastRender) {
+    constexpr double most = 60;  // seconds, as promised
+    CompilerWatch watch;
+    {
+        const AnotherRender render(folder_.path());
+        EXPECT_FALSE(watch.must_end(0));
+        EXPECT_FALSE(watch.must_end(1000)) << "a render lives";
+    }
+    EXPECT_FALSE(watch.must_end(1001));
+    const AnotherRender next(folder_.path());
+    EXPECT_FALSE(watch.must_end(2000)) << "another one began";
+    {
+        const ScopedEnvironment other("CLARAY_CACHE_DIR", (folder_ / "other").string());
+        CompilerWatch alone;
+        EXPECT_FALSE(alone.must_end(0));
+        EXPECT_FALSE(alone.must_end(1)) << "the next render may begin";
+        EXPECT_TRUE(alone.must_end(most));
+    }
+}
+
+TEST_F(BackgroundCompiler, LetsOthersCompileInsteadOfWorkThatCanWait) {
+    const AnotherRender render(folder_.path());
+    CompilerWatch watch;
+    ASSERT_TRUE(start());
+    ASSERT_FALSE(start());
+    EXPECT_FALSE(watch.must_end(1)) << "its render needs what it compiles";
+    watch.let_others_compile();
+    EXPECT_FALSE(watch.must_end(2)) << "nobody has asked since";
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));  // the clock of files
+    ASSERT_FALSE(start());
+    EXPECT_TRUE(watch.must_end(3));
 }
 
 /// By quick kernels this render would take much longer than compiling does.
@@ -264,7 +278,7 @@ TEST_F(BackgroundCompiler, IsWaitedForOnCpus) {
     if (renderer.statistics().start == KernelStart::own) GTEST_SKIP() << "no kernels are quicker to compile";
     unsigned spp = 0, equal = 0;
     const auto until_it_waits = [&](const RenderProgress& progress) {
-        equal = progress.spp == spp && spp > 0 ? equal + 1 : 0;
+        equal = progress.spp == spp && progress.waits_for_kernels ? equal + 1 : 0;
         spp = progress.spp;
         return equal < 10 && spp < 10000;
     };
@@ -278,10 +292,51 @@ TEST_F(BackgroundCompiler, IsWaitedForOnCpus) {
     EXPECT_GT(renderer.render(until_more).spp, of_view);
 }
 
+/// Otherwise the waiting would justify itself: a batch seems to take longer, and the rest with it.
+TEST_F(BackgroundCompiler, IsWaitedForNoLongerThanTheRestTakes) {
+    if (device().info().type != DeviceType::cpu) GTEST_SKIP() << "a GPU renders while a CPU compiles";
+    const Scene scene = *builtin_scene("cornell");
+    RenderConfig config{.width = 64, .height = 64, .spp = 1u << 20, .report_seconds = 0.01};
+    config.compiler = script_;
+    {
+        Renderer first(device(), scene, config);  // compiles the quick kernels
+        if (first.statistics().start == KernelStart::own) GTEST_SKIP() << "no kernels are quicker to compile";
+        config.spp = 20 * std::max(1u, first.render_for(0.5).spp);
+    }
+    release();
+    ASSERT_TRUE(becomes_true([] { return !is_compiling(); }));
+    std::filesystem::remove(released_);
+    Renderer renderer(device(), scene, config);
+    unsigned waits = 0, samples_after = 0, spp = 0;
+    renderer.render([&](const RenderProgress& progress) {
+        if (progress.waits_for_kernels) ++waits, spp = progress.spp;
+        samples_after = waits > 0 ? progress.spp - spp : 0;
+        return samples_after == 0 && waits < 10000;
+    });
+    EXPECT_TRUE(is_compiling()) << "it never ends";
+    EXPECT_GT(waits, 0u) << "the render waited";
+    EXPECT_GT(samples_after, 0u) << "and went on";
+}
+
+TEST_F(BackgroundCompiler, OfAnotherRenderIsNotWaitedFor) {
+    const int lock = ::open((folder_ / "compiler.lock").c_str(), O_RDWR | O_CREAT, 0600);
+    ASSERT_EQ(::flock(lock, LOCK_EX), 0);
+    RenderConfig config{.width = 64, .height = 64, .spp = 1u << 20, .seconds = 4, .report_seconds = 0.01};
+    config.compiler = script_;
+    Renderer renderer(device(), *builtin_scene("cornell"), config);
+    unsigned waiting = 0;
+    renderer.render([&](const RenderProgress& progress) {
+        waiting += progress.waits_for_kernels;
+        return true;
+    });
+    EXPECT_EQ(waiting, 0u);
+    ::close(lock);
+}
+
 TEST_F(BackgroundCompiler, IsNotWaitedForIfTimeIsShort) {
     RenderConfig config{.width = 16, .height = 16, .spp = 1u << 20, .seconds = 2, .report_seconds = 0.01};
     config.compiler = script_;
-    Renderer renderer(device(), *builtin_scene("cornell"), config);
+    Renderer renderer(with_nothing_loaded(), *builtin_scene("cornell"), config);
     unsigned spp = 0, equal = 0, longest = 0;
     renderer.render([&](const RenderProgress& progress) {
         equal = progress.spp == spp && spp > 0 ? equal + 1 : 0;

@@ -87,12 +87,14 @@ void add_machine_options(CLI::App& command, RenderOptions& o) {
                     "Split the tree into N parts, which take turns on the device [as its memory requires]")
         ->transform(whole_number(1, 4096));
     command.add_flag("--stats", o.stats, "Print build time, rays per second and memory");
-    command.add_flag("--json", o.json, "Print the result and all statistics as JSON");
+    command.add_flag("--json", o.json, "Print the result and all statistics as JSON; with --frames a line for each");
     command.add_option_function<std::string>(
         "--effects", [&o](const std::string& text) { o.config.effects = parse_effect_overrides(text); },
         "For experiments: +NAME compiles an effect in, -NAME removes it from the scene (see claray explain)");
-    command.add_flag("--wait-for-kernels", o.wait_for_kernels,
-                     "Compile the scene's own kernels before rendering, not in the background");
+    command.add_flag(
+        "--wait-for-kernels,--no-background", o.wait_for_kernels,
+        "Compile the scene's own kernels before rendering: start no compiler in the background, which may\n"
+        "run for up to a minute after the render");
     command.add_option("--trace", o.trace, "Write every device command to FILE (JSON) for ui.perfetto.dev");
     command.add_flag("-q,--quiet", o.quiet, "Print no progress");
 }

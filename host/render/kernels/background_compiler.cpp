@@ -3,12 +3,13 @@
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/resource.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <map>
+#include <mutex>
 #include <thread>
 
 #include "host/base/folders.hpp"
@@ -19,17 +20,21 @@ namespace claray {
 namespace {
 
 std::atomic<int> running = 0;
-constexpr int inherited_lock = STDERR_FILENO + 1;
 
-std::filesystem::path lock_path() { return cache_folder() / "compiler.lock"; }
+/// Returns -1 if the file cannot be opened.
+int open_in_cache(const char* name) {
+    if (!make_writable(cache_folder())) return -1;
+    return ::open((cache_folder() / name).c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+}
+
+constexpr const char* compiler_lock = "compiler.lock";
+constexpr const char* renders_lock = "renders.lock";
 
 /// The lock that allows one compiler at a time. It belongs to the open file, which the compiler inherits, so that it is
 /// released when that process ends, whatever ends it.
 class CompilerLock {
 public:
-    CompilerLock() {
-        if (!make_writable(cache_folder())) return;
-        file_ = ::open(lock_path().c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+    CompilerLock() : file_(open_in_cache(compiler_lock)) {
         if (file_ >= 0 && ::flock(file_, LOCK_EX | LOCK_NB) != 0) is_busy_ = errno == EWOULDBLOCK;
     }
     ~CompilerLock() {
@@ -46,17 +51,15 @@ private:
     bool is_busy_ = false;
 };
 
-std::vector<std::string> command_line(const std::string& program, const Device& device, const KernelChoice& choice,
-                                      const RenderConfig& config) {
-    std::vector<std::string> line = {program,         "compile",
-                                     "--quiet",       "--and-generic",
-                                     "--device",      std::to_string(device.info().index),
-                                     "--effects",     to_string(choice.effects),
-                                     "--layout",      choice.layout == Layout::wide ? "wide" : "binary",
-                                     "--morton-bits", std::to_string(config.bvh.morton_bits),
-                                     "--builder",     traits_of(config.bvh.builder).name};
-    if (config.approximate.any()) line.insert(line.end(), {"--approximate", to_string(config.approximate)});
-    return line;
+/// Tells compilers that a render lives, until this process ends. Returns the file, or -1.
+int show_as_render() {
+    static std::mutex mutex;
+    static std::map<std::filesystem::path, int> shown;
+    const std::lock_guard lock(mutex);
+    const auto [file, is_new] = shown.try_emplace(cache_folder(), -1);
+    if (is_new) file->second = open_in_cache(renders_lock);
+    if (is_new && file->second >= 0) ::flock(file->second, LOCK_SH);
+    return file->second;
 }
 
 /// On Linux threads have priorities, and a process inherits that of the thread that starts it (setpriority(2)).
@@ -77,12 +80,34 @@ pid_t start_in_background(const std::vector<std::string>& arguments, int lock) {
 
 }  // namespace
 
+std::vector<std::string> compiler_arguments(const Device& device, const KernelChoice& choice,
+                                            const RenderConfig& config) {
+    std::vector<std::string> arguments = {
+        "compile",          "--background",
+        "--device",         std::to_string(device.info().index),
+        "--effects",        to_string(choice.effects),
+        "--layout",         choice.layout == Layout::wide ? "wide" : "binary",
+        "--morton-bits",    std::to_string(config.bvh.morton_bits),
+        "--builder",        traits_of(config.bvh.builder).name,
+        "--leaf-triangles", std::to_string(config.bvh.max_leaf_triangles),
+        "--split-budget",   std::to_string(config.bvh.split_budget),
+        "--sampler",        config.sampler == Sampler::sobol ? "sobol" : "independent"};
+    if (config.approximate.any()) arguments.insert(arguments.end(), {"--approximate", to_string(config.approximate)});
+    return arguments;
+}
+
 bool start_compiler(const std::string& program, const Device& device, const KernelChoice& choice,
                     const RenderConfig& config) {
+    const int shown = show_as_render();
     const CompilerLock lock;
-    if (lock.is_busy()) return false;
+    if (lock.is_busy()) {
+        if (shown >= 0) ::futimens(shown, nullptr);
+        return false;
+    }
     if (lock.file() < 0) return true;
-    const pid_t id = start_in_background(command_line(program, device, choice, config), lock.file());
+    std::vector<std::string> command = compiler_arguments(device, choice, config);
+    command.insert(command.begin(), program);
+    const pid_t id = start_in_background(command, lock.file());
     if (id == 0) return true;
     ++running;
     std::thread([id] {
@@ -92,13 +117,33 @@ bool start_compiler(const std::string& program, const Device& device, const Kern
     return true;
 }
 
-void let_others_compile() {
-    struct stat inherited = {}, lock = {};
-    if (::fstat(inherited_lock, &inherited) == 0 && ::stat(lock_path().c_str(), &lock) == 0 &&
-        inherited.st_dev == lock.st_dev && inherited.st_ino == lock.st_ino)
-        ::close(inherited_lock);
+bool is_compiling() { return running > 0; }
+
+CompilerWatch::CompilerWatch() : file_(open_in_cache(renders_lock)) {}
+
+CompilerWatch::~CompilerWatch() {
+    if (file_ >= 0) ::close(file_);
 }
 
-bool is_compiling() { return running > 0; }
+void CompilerWatch::let_others_compile() {
+    const std::lock_guard guard(mutex_);
+    struct stat now = {};
+    if (::fstat(file_, &now) == 0) last_asked_ = now.st_mtim;
+    can_wait_ = true;
+}
+
+bool CompilerWatch::is_asked() const {
+    struct stat now = {};
+    return ::fstat(file_, &now) == 0 &&
+           (now.st_mtim.tv_sec != last_asked_.tv_sec || now.st_mtim.tv_nsec != last_asked_.tv_nsec);
+}
+
+bool CompilerWatch::must_end(double now) {
+    const std::lock_guard guard(mutex_);
+    const bool none_lives = file_ >= 0 && ::flock(file_, LOCK_EX | LOCK_NB) == 0;
+    if (none_lives) ::flock(file_, LOCK_UN);
+    if (!none_lives || last_render_ < 0) last_render_ = now;
+    return now - last_render_ > seconds_after_renders || (can_wait_ && is_asked());
+}
 
 }  // namespace claray

@@ -22,10 +22,19 @@ EffectSet effects_of_stage(EffectSet effects, Stage stage) {
     return of_stage;
 }
 
-/// A digest of everything that the kernels depend on. `part`: "all" kernels, "trace" for queries and tree, or the name
-/// of a kernel that follows paths.
-std::string key_of(const Device& device, const KernelChoice& choice, const RenderConfig& config,
-                   const std::string& part) {
+void remember(const Device& device, const KernelChoice& choice, const RenderConfig& config, const std::string& part) {
+    const std::string text = part + " of " + to_string(choice.effects);
+    store_cached_program(key_of_kernels(device, choice, config, part), {text.begin(), text.end()});
+}
+
+}  // namespace
+
+Builder builder_for(Builder builder, const Device& device, bool instanced) {
+    return builder == Builder::automatic && instanced ? Builder::balanced : resolve(builder, device);
+}
+
+std::string key_of_kernels(const Device& device, const KernelChoice& choice, const RenderConfig& config,
+                           const std::string& part) {
     const DeviceInfo& info = device.info();
     const bool lit = !(choice.effects & sampled_lights).empty();
     const EffectSet structure =
@@ -44,19 +53,8 @@ std::string key_of(const Device& device, const KernelChoice& choice, const Rende
     return hash128(all + to_string(effects));
 }
 
-void remember(const Device& device, const KernelChoice& choice, const RenderConfig& config, const std::string& part) {
-    const std::string text = part + " of " + to_string(choice.effects);
-    store_cached_program(key_of(device, choice, config, part), {text.begin(), text.end()});
-}
-
-}  // namespace
-
-Builder builder_for(Builder builder, const Device& device, bool instanced) {
-    return builder == Builder::automatic && instanced ? Builder::balanced : resolve(builder, device);
-}
-
 bool are_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config) {
-    return load_cached_program(key_of(device, choice, config, "all")).has_value();
+    return load_cached_program(key_of_kernels(device, choice, config)).has_value();
 }
 
 void remember_as_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config) {
@@ -65,7 +63,7 @@ void remember_as_cached(const Device& device, const KernelChoice& choice, const 
 
 bool is_path_kernel_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config,
                            const std::string& name) {
-    return load_cached_program(key_of(device, choice, config, name)).has_value();
+    return load_cached_program(key_of_kernels(device, choice, config, name)).has_value();
 }
 
 void remember_path_kernel_as_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config,
@@ -75,7 +73,7 @@ void remember_path_kernel_as_cached(const Device& device, const KernelChoice& ch
 
 void compile_once(const Device& device, const KernelChoice& choice, const RenderConfig& config,
                   const std::function<void()>& compile) {
-    const CacheLock lock("renderers", key_of(device, choice, config, "all"));
+    const CacheLock lock("renderers", key_of_kernels(device, choice, config));
     if (!are_cached(device, choice, config)) compile();
 }
 
@@ -86,7 +84,7 @@ KernelPlan plan_kernels(const Device& device, EffectSet effects, const RenderCon
     if (config.compiler.empty() || are_cached(device, own, config)) return plan;
     const KernelChoice generic = {full_effects(), own.layout};
     const KernelChoice quick = {own.effects, config.bvh.layout == Layout::automatic ? Layout::binary : own.layout};
-    const bool can_trace = load_cached_program(key_of(device, own, config, "trace")).has_value();
+    const bool can_trace = load_cached_program(key_of_kernels(device, own, config, "trace")).has_value();
     // The generic kernels support neither.
     const bool special = effects.has(Effect::instances) || effects.has(Effect::primitives);
     if (!special && generic != own && are_cached(device, generic, config))

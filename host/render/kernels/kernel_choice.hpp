@@ -34,6 +34,11 @@ struct KernelPlan {
 void compile_once(const Device& device, const KernelChoice& choice, const RenderConfig& config,
                   const std::function<void()>& compile);
 
+/// A digest of everything that the kernels of a render depend on. `part`: "all" of them, "trace" for queries and tree,
+/// or the name of a kernel that follows paths.
+[[nodiscard]] std::string key_of_kernels(const Device& device, const KernelChoice& choice, const RenderConfig& config,
+                                         const std::string& part = "all");
+
 /// Returns whether all kernels of a render are in the cache, compiled on this machine by this claray.
 [[nodiscard]] bool are_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config);
 /// Records this, also for the tracing kernels, which other scenes share.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <thread>
 
 #include "host/base/seconds_since.hpp"
 #include "host/render/kernels/background_compiler.hpp"
@@ -50,14 +51,18 @@ void Renderer::State::first_pixel() {
     if (own_kernels)
         remember_as_cached(device, plan.last, config);
     else
-        compiler_asked = start_compiler(config.compiler, device, plan.last, config), last_asked = Clock::now();
+        ask_for_compiler();
+}
+
+void Renderer::State::ask_for_compiler() {
+    compiler.is_asked = start_compiler(config.compiler, device, plan.last, config);
+    compiler.last_asked = Clock::now();
 }
 
 /// Between two batches, so that no path uses two kinds of kernels, although the image would be the same.
 void Renderer::State::take_over_when_compiled() {
     if (!are_cached(device, plan.last, config)) {
-        if (compiler_asked || seconds_since(last_asked) < seconds_between_asking) return;
-        compiler_asked = start_compiler(config.compiler, device, plan.last, config), last_asked = Clock::now();
+        if (!compiler.is_asked && seconds_since(compiler.last_asked) >= seconds_between_asking) ask_for_compiler();
         return;
     }
     take_over();
@@ -65,20 +70,35 @@ void Renderer::State::take_over_when_compiled() {
 
 /// On a CPU quick kernels leave the compiler a tenth of a processor, and take several times as long as the kernels that
 /// it makes. These compile in 1.5 to 7 times the processor time of a first pixel by quick kernels (seven scenes, PoCL
-/// 3.1). Whatever happens to the compiler, waiting at most doubles the time.
-bool Renderer::State::better_waits_for_kernels() const {
+/// 3.1). Generic kernels take twice as long at most: they do not wait. Nor does a render whose kernels another process
+/// will compile only later. Where other processes leave this one less than a processor, the rest takes longer, but no
+/// more of the processor's time. Whatever happens to the compiler, waiting at most doubles the time.
+bool Renderer::State::better_waits_for_kernels() {
     constexpr double compiling_over_first_pixel = 5, seconds_to_tell = 1;  // the first batches vary
-    if (own_kernels || spp() == 0 || device.info().type != DeviceType::cpu) return false;
-    if (compiler_asked && !is_compiling()) return false;  // it has failed
+    compiler.is_waited_for = false;
+    if (own_kernels || spp() == 0 || plan.start != KernelStart::quick || device.info().type != DeviceType::cpu)
+        return false;
+    if (!compiler.is_asked || !is_compiling()) return false;  // another render's compiles, or it has failed
     const std::uint64_t paths_left = std::uint64_t(pixels()) * (config.spp - spp());
     const double left = std::min(seconds_left(), 1e-3 * pace.milliseconds_of(paths_left));
-    const double seconds = seconds_since(set_up) - first_pixel_seconds;
-    return seconds > seconds_to_tell && seconds < left &&
-           left > compiling_over_first_pixel * first_pixel_processor_seconds;
+    const double sampling = seconds_since(set_up) - first_pixel_seconds - compiler.waited;
+    const double used = processor_seconds() - set_up_processor - first_pixel_processor_seconds;
+    const double of_processor = left * std::min(1.0, used / std::max(sampling, 1e-3));
+    compiler.is_waited_for = sampling > seconds_to_tell && compiler.waited < left &&
+                             of_processor > compiling_over_first_pixel * first_pixel_processor_seconds;
+    return compiler.is_waited_for;
+}
+
+void Renderer::State::wait_for_kernels(InFlight& in_flight) {
+    in_flight.pause();
+    const Clock::time_point begin = Clock::now();
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    compiler.waited += seconds_since(begin);
 }
 
 void Renderer::State::take_over() {
     own_kernels = true;
+    compiler.is_waited_for = false;
     own_kernels_from = spp();
     const bool rebuilds = plan.last.layout != plan.first.layout;
     adopt(rebuilds ? structure.rebuilt(with_layout(config.bvh, plan.last.layout)) : structure, plan.last.effects);
