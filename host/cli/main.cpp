@@ -9,12 +9,14 @@
 #include <cstring>
 #include <new>
 
+#include "claray/program/compiling.hpp"
 #include "claray/error.hpp"
 #include "claray/program.hpp"
 #include "host/base/message.hpp"
 #include "host/base/process.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/output/messages.hpp"
+#include "host/cli/output/progress.hpp"
 #include "host/cli/ranks.hpp"
 #include "host/compute/programs/compiler_processes.hpp"
 
@@ -68,6 +70,14 @@ void refuse_empty_values(const CLI::App& app) {
                                 "give a value, or leave the option out");
 }
 
+bool is_quiet(const CLI::App& app) {
+    const std::vector<CLI::App*> commands = app.get_subcommands();
+    return std::ranges::any_of(commands, [](const CLI::App* command) {
+        const CLI::Option* quiet = command->get_option_no_throw("--quiet");
+        return quiet != nullptr && quiet->count() > 0;
+    });
+}
+
 void flush_output() {
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
         throw Error(ErrorKind::user, std::string("cannot write to standard output: ") + std::strerror(errno));
@@ -104,6 +114,7 @@ int run_program(int argc, char** argv) {
         return report_error(ErrorKind::usage, one_line(usage_error(app, argc, argv, error)));
     }
     if (!action) return report_error(ErrorKind::usage, "the command is missing; see claray --help");
+    if (!is_quiet(app) && !is_other_rank()) on_compiling(compiling_lines());
     action();
     flush_output();
     warn_of_lost_kernels();
@@ -154,4 +165,8 @@ int run_with_enough_stack(int argc, char** argv) {
 }  // namespace
 }  // namespace claray::cli
 
-int main(int argc, char** argv) { return claray::cli::run_with_enough_stack(argc, argv); }
+int main(int argc, char** argv) {
+    const int exit_code = claray::cli::run_with_enough_stack(argc, argv);
+    claray::cli::end_by_interrupt();
+    return exit_code;
+}

@@ -102,13 +102,17 @@ void warn_of_picture_options(const RenderOptions& options) {
                       "' stores the radiance unchanged");
 }
 
-/// The image and its AOVs.
-void write_rendered(const PictureJob& job, const Renderer& renderer, const std::vector<glm::vec3>& pixels,
+/// The image and its AOVs. Returns whether the image was written.
+bool write_rendered(const PictureJob& job, const Renderer& renderer, const std::vector<glm::vec3>& pixels,
                     RenderOptions options, Writes& writes) {
-    if (job.add_to_film) return job.add_to_film(pixels);  // no later frame could follow one that is missing
+    if (job.add_to_film) {
+        job.add_to_film(pixels);  // no later frame could follow one that is missing
+        return true;
+    }
     if (!job.folder.empty()) options.output = job.folder / options.output.filename();
-    writes.attempt([&] { write_picture(pixels, options, &renderer); });
+    const bool is_written = writes.attempt([&] { write_picture(pixels, options, &renderer); });
     write_aovs(renderer, options, writes);
+    return is_written;
 }
 
 /// Returns false if it was interrupted.
@@ -129,13 +133,15 @@ bool render_picture(const PictureJob& job, const Scene& scene, const RenderOptio
     const Renderer& renderer = picture.renderer();
     const std::vector<DeviceShare> shares = picture.group ? picture.group->shares() : std::vector<DeviceShare>();
     const Denoised denoised = denoise(renderer, options);
-    write_rendered(job, renderer, options.denoiser ? denoised.image : renderer.image(), options, writes);
+    const bool is_written =
+        write_rendered(job, renderer, options.denoiser ? denoised.image : renderer.image(), options, writes);
     if (!options.trace.empty())
         writes.attempt([&] { write_trace(options.trace, device.profiler().records(), device.info().name); });
     const TargetPlan* planned = plan ? &*plan : nullptr;
     if (options.output == "-") return !outcome.interrupted;  // standard output has the film
-    options.json ? print_as_json(device, renderer, options, outcome, planned, denoised, shares)
-                 : print_as_text(device, renderer, options, outcome, planned, denoised, shares);
+    if (is_written)                                          // else an error follows
+        options.json ? print_as_json(device, renderer, options, outcome, planned, denoised, shares)
+                     : print_as_text(device, renderer, options, outcome, planned, denoised, shares);
     writes.attempt([&] { refuse_lost_checkpoint(picture.checkpoint_error()); });
     if (!outcome.interrupted) writes.attempt([&] { refuse_missed_error(config, outcome.progress); });
     return !outcome.interrupted;

@@ -68,7 +68,7 @@ void look(const LiveOptions& options) {
     Scene scene = load_view(options.scene, options.view, config.render.width, config.render.height, &first);
     config.animation = animation_of(options, first);
     view::View view(device, std::move(scene), config);
-    const InterruptGuard guard;
+    const InterruptGuard guard(Interrupts::commands);
     const auto goes_on = [] { return !InterruptGuard::interrupted(); };
     if (!options.script.empty()) return replay(view, script, options);
     if (options.window) return view::run_in_window(view, goes_on);

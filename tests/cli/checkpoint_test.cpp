@@ -128,7 +128,7 @@ TEST_P(CheckpointSignals, LeaveACheckpointToGoOnFrom) {
     wait_for_samples(process);
     process.send(GetParam());
     const ProcessResult result = process.wait();
-    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    ASSERT_EQ(result.exit_code, 128 + GetParam()) << result.errors;
     EXPECT_EQ(nlohmann::json::parse(result.output).at("interrupted"), true);
     const unsigned spp = nlohmann::json::parse(result.output).at("spp");
     const std::string enough = std::to_string(2 * spp + 64);

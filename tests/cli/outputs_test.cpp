@@ -114,6 +114,10 @@ TEST_F(Outputs, OneFullDiskLosesNothingElse) {
     EXPECT_TRUE(failed_with(printed, 1, "cannot write to standard output: No space left on device"));
     EXPECT_TRUE(is_png("b.png"));
     EXPECT_TRUE(failed_with(run_claray(small("/dev/full")), 2, "unknown image format"));
+    fs::create_symlink("/dev/full", path("full.png"));
+    const ProcessResult lost = run_claray(small(path("full.png")));
+    EXPECT_TRUE(failed_with(lost, 1, "full.png': No space left on device"));
+    EXPECT_EQ(lost.output, "") << "no success beside it";
     EXPECT_TRUE(failed_with(run_claray(small(path("c.png"), {"--trace", path("")})), 1,
                             "Is a directory; give the name of a file"));
 }

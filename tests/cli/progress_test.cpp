@@ -122,6 +122,23 @@ TEST(Progress, LinesComeNowAndThen) {
               " 60 %  60/100 spp, 4.0 s left\n");
 }
 
+TEST(Progress, LongTimesHaveUnits) {
+    const std::string text = written(ProgressStyle::lines, {at(1, 100), at(2, 12239)});
+    EXPECT_NE(text.find("1/100 spp, 2.75 h left"), std::string::npos) << text;
+    EXPECT_NE(text.find("2/100 spp, 6.941 days left"), std::string::npos) << text;
+}
+
+TEST(Progress, WaitingForKernelsIsSaidAtOnce) {
+    RenderProgress waiting = at(2, 0.3, 0.1);
+    waiting.waits_for_kernels = true;
+    const std::string text = written(ProgressStyle::lines, {at(1, 0.1), at(2, 0.2), waiting, waiting, at(3, 2.5)});
+    EXPECT_EQ(text,
+              "  1 %  1/100 spp, 9.9 s left\n"
+              "  2 %  2/100 spp, waiting for the scene's kernels\n"
+              "  3 %  3/100 spp, 80.8 s left\n"
+              "  3 %  3/100 spp, 80.8 s left\n");
+}
+
 TEST(Progress, QuietIsSilent) { EXPECT_EQ(written(ProgressStyle::none, {at(1, 1), at(100, 100)}), ""); }
 
 TEST(Interrupts, OnlyTheFirstSignalIsCaught) {

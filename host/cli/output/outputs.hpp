@@ -24,13 +24,16 @@ void check_outputs(const std::vector<NamedFile>& outputs, const std::vector<Name
 /// Attempts all writes, from any thread, then throws the first error.
 class Writes {
 public:
+    /// Returns whether this one succeeded.
     template <class Write>
-    void attempt(Write&& write) {
+    bool attempt(Write&& write) {
         try {
             write();
+            return true;
         } catch (const Error&) {
             const std::lock_guard lock(mutex_);
             if (!first_) first_ = std::current_exception();
+            return false;
         }
     }
     void finish() const {

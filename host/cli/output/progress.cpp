@@ -8,6 +8,7 @@
 #include <cstring>
 #include <string>
 
+#include "host/accuracy/study.hpp"
 #include "host/base/format.hpp"
 
 namespace claray::cli {
@@ -16,9 +17,10 @@ namespace {
 constexpr int bar_width = 30;
 constexpr double seconds_between_lines = 2;
 
-volatile std::sig_atomic_t interrupt_flag = 0;
+volatile std::sig_atomic_t interrupt = 0;  // number of the signal
+bool interrupts_are_commands = false;
 
-extern "C" void set_interrupt_flag(int) { interrupt_flag = 1; }
+extern "C" void note_interrupt(int signal_number) { interrupt = signal_number; }
 
 extern "C" void tell_and_end(int signal_number) {
     constexpr char text[] = "claray: interrupted before the first sample: no image was written\n";
@@ -51,7 +53,8 @@ std::string noise_text(const RenderProgress& progress) {
 
 std::string time_left(const RenderProgress& progress, double fraction) {
     if (fraction < 1e-4 || fraction >= 1) return {};
-    return printed(", %.1f s left", progress.seconds * (1 - fraction) / fraction);
+    const double seconds = progress.seconds * (1 - fraction) / fraction;
+    return ", " + (seconds < 120 ? printed("%.1f s", seconds) : told_time(seconds)) + " left";
 }
 
 }  // namespace
@@ -83,7 +86,10 @@ void ProgressDisplay::show(const RenderProgress& progress) {
     const bool by_samples = config_.error <= 0 && config_.spp < 1u << 24;
     const std::string facts = std::to_string(progress.spp) +
                               (by_samples ? "/" + std::to_string(config_.spp) : std::string()) + " spp" +
-                              time_left(progress, fraction) + noise_text(progress);
+                              (progress.waits_for_kernels ? ", waiting for the scene's kernels"
+                                                          : time_left(progress, fraction) + noise_text(progress));
+    if (progress.waits_for_kernels && !waits_) next_line_ = 0;  // at once
+    waits_ = progress.waits_for_kernels;
     if (style_ == ProgressStyle::bar) {
         const int filled = int(fraction * bar_width);
         const std::string bar =
@@ -110,13 +116,20 @@ void ProgressDisplay::leave_line() {
 
 void tell_of_signals_until_guarded() { handle_all(tell_and_end); }
 
-InterruptGuard::InterruptGuard() {
-    interrupt_flag = 0;
-    handle_all(set_interrupt_flag);
+InterruptGuard::InterruptGuard(Interrupts are) {
+    interrupt = 0;
+    interrupts_are_commands = are == Interrupts::commands;
+    handle_all(note_interrupt);
 }
 
 InterruptGuard::~InterruptGuard() { handle_all(SIG_DFL); }
 
-bool InterruptGuard::interrupted() { return interrupt_flag != 0; }
+bool InterruptGuard::interrupted() { return interrupt != 0; }
+
+void end_by_interrupt() {
+    if (interrupt == 0 || interrupts_are_commands) return;
+    std::signal(interrupt, SIG_DFL);
+    std::raise(interrupt);
+}
 
 }  // namespace claray::cli

@@ -19,7 +19,7 @@ enum class ProgressStyle {
 /// A bar on a terminal that can erase a line ($TERM), else lines; nothing if quiet.
 [[nodiscard]] ProgressStyle progress_style(bool quiet);
 
-/// Shows how much is done, the time left, and the noise.
+/// Shows how much is done, the time left, and the noise, or that the render waits for kernels.
 class ProgressDisplay {
 public:
     ProgressDisplay(const RenderConfig& config, ProgressStyle style, std::FILE* output = stderr)
@@ -38,7 +38,7 @@ private:
     const RenderConfig config_;
     const ProgressStyle style_;
     std::FILE* const output_;
-    bool line_open_ = false;
+    bool line_open_ = false, waits_ = false;
     double next_line_ = 0;  // seconds
 };
 
@@ -46,14 +46,24 @@ private:
 /// even while a driver compiles. SIGHUP stays ignored if it was.
 void tell_of_signals_until_guarded();
 
+/// What these signals mean to a program that handles them.
+enum class Interrupts {
+    failures,  ///< it does not do all that it was asked for
+    commands   ///< they are the way to end it
+};
+
 /// While it exists, these signals set a flag; a second signal of the same kind ends the program as usual.
 class InterruptGuard {
 public:
-    InterruptGuard();
+    explicit InterruptGuard(Interrupts are = Interrupts::failures);
     ~InterruptGuard();
     InterruptGuard(const InterruptGuard&) = delete;
     InterruptGuard& operator=(const InterruptGuard&) = delete;
     [[nodiscard]] static bool interrupted();
 };
+
+/// After all is written: if a guard caught a signal that is a failure, the program dies of it, as if it had not been
+/// caught. Shells end a loop only then (Cracauer 1998, "Proper handling of SIGINT/SIGQUIT").
+void end_by_interrupt();
 
 }  // namespace claray::cli

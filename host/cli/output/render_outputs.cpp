@@ -211,7 +211,9 @@ Denoised denoise(const Renderer& renderer, const RenderOptions& options) {
     if (!options.denoiser) return {};
     const DenoiserKind kind = picked_denoiser(*options.denoiser);
     const auto begin = std::chrono::steady_clock::now();
-    Denoised denoised{renderer.denoised(kind), kind == DenoiserKind::oidn ? "Open Image Denoise" : "claray"};
+    Denoised denoised{{}, kind == DenoiserKind::oidn ? "Open Image Denoise" : "claray"};
+    if (!options.quiet) std::fprintf(stderr, "denoising by %s\n", denoised.by);
+    denoised.image = renderer.denoised(kind);
     denoised.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return denoised;
 }
@@ -333,7 +335,7 @@ void print_as_json(const Device& device, const Renderer& renderer, const RenderO
                             {"kept", !outcome.interrupted && is_kept(*plan, outcome.progress)},
                             {"reached", account_of(*plan, outcome.progress)}};
     if (!shares.empty()) report["devices"] = as_json(shares);
-    print_json(report);
+    options.animation ? print_json_line(report) : print_json(report);
 }
 
 }  // namespace claray::cli

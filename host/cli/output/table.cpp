@@ -25,11 +25,15 @@ void print_table(const std::vector<Row>& rows, std::size_t first_right) {
     }
 }
 
-std::string json_text(const nlohmann::ordered_json& json) {
-    return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
+namespace {
+std::string dumped(const nlohmann::ordered_json& json, int blanks) {
+    return json.dump(blanks, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
 }
+}  // namespace
 
+std::string json_text(const nlohmann::ordered_json& json) { return dumped(json, 2); }
 void print_json(const nlohmann::ordered_json& json) { std::fputs(json_text(json).c_str(), stdout); }
+void print_json_line(const nlohmann::ordered_json& json) { std::fputs(dumped(json, -1).c_str(), stdout); }
 
 std::string fixed(double value, int digits) { return printed("%.*f", digits, value); }
 std::string number(double value) { return printed("%.4g", value); }

@@ -15,6 +15,8 @@ void print_table(const std::vector<Row>& rows, std::size_t first_right = std::si
 /// Two blanks a level. Names come from drivers: bytes that are not UTF-8 are replaced.
 [[nodiscard]] std::string json_text(const nlohmann::ordered_json& json);
 void print_json(const nlohmann::ordered_json& json);
+/// As one line, for programs that read several documents.
+void print_json_line(const nlohmann::ordered_json& json);
 
 /// "%.*f"
 [[nodiscard]] std::string fixed(double value, int digits);

@@ -1,5 +1,7 @@
 // claray render --frames to one film, for a pipe to ffmpeg; and an EXR with layers.
 #include <algorithm>
+#include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "claray/io.hpp"
 #include "tests/cli/claray.hpp"
@@ -26,6 +28,16 @@ TEST_F(Film, AFileAndAPipeHaveTheSameFrames) {
     EXPECT_EQ(piped.output.size(), header.size() + 3 * frame_bytes) << "nothing but the film";
     EXPECT_EQ(read_file(path("a.y4m")), piped.output);
     EXPECT_EQ(folder_.entries(), 1u);
+}
+
+TEST_F(Film, IsALineOfJsonForEachFrame) {
+    const ProcessResult result = render(path("a.pfm"), {"--frames", "1..2", "--json"});
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    std::istringstream lines(result.output);
+    unsigned frame = 1;
+    for (std::string line; std::getline(lines, line); ++frame)
+        EXPECT_EQ(nlohmann::json::parse(line).at("output"), path("a.000" + std::to_string(frame) + ".pfm"));
+    EXPECT_EQ(frame, 3u) << result.output;
 }
 
 TEST_F(Film, HasNoHeaderWithoutAFrame) {
