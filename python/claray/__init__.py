@@ -18,7 +18,7 @@ from ._lists import Lists, all_hits, box_overlaps, count_hits, nearest_hits, sph
 from ._points import inside, nearest_point, signed_distance
 from ._primitives import Primitives
 from ._query import Query, Rays, any_hit, closest_hit, rays, unoccluded
-from ._render import Renderer, render
+from ._render import Renderer, prepare, render, tell_compiling
 from ._scene import Camera, Light, Material, Scene, builtin_scenes, load
 from ._verify import verify, verify_cases
 from .errors import DeviceError, Error, InputError, UsageError
@@ -28,6 +28,6 @@ __all__ = [
     "FlatInstances", "Image", "InputError", "InstancedBvh", "Instances", "Light", "Lists", "Material", "Primitives",
     "Query", "Rays", "Renderer", "Scene", "Study", "UsageError", "accuracy", "all_hits", "any_hit", "box_overlaps",
     "builtin_scenes", "closest_hit", "count_hits", "default_device", "devices", "errors", "flatten", "geometry_range",
-    "inside", "load", "nearest_hits", "nearest_point", "rays", "render", "signed_distance", "sphere_overlaps", "studies",
-    "unoccluded", "verify", "verify_cases",
+    "inside", "load", "nearest_hits", "nearest_point", "prepare", "rays", "render", "signed_distance", "sphere_overlaps",
+    "studies", "tell_compiling", "unoccluded", "verify", "verify_cases",
 ]

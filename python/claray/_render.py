@@ -95,3 +95,25 @@ class Renderer:
 def render(scene: Scene, **options: Any) -> Image:
     """Renders an image: Renderer(scene, **options).image()."""
     return Renderer(scene, **options).image()
+
+
+def prepare(scene: Scene | None = None, *, device: Device | None = None, denoise: bool | str = False, **options: Any) -> None:
+    """Compiles kernels ahead, into the cache on disk, so that later calls and processes start without delay.
+
+    Without a scene: what structures and queries need. With one: what its renders need, and image(denoise=...). device: a
+    Device; None: default_device(). options: as for Renderer. Says on standard error what is compiled (tell_compiling).
+    Blocks: up to a minute on a GPU where claray never ran. Raises DeviceError with the compiler's log.
+    """
+    device = device or default_device()
+    if scene is None:
+        if options or denoise:
+            raise UsageError("prepare: options of renders need a scene")
+        device._native.prepare()
+        return
+    size = {"width": 64, "height": 64, "spp": 1}
+    Renderer(scene, device=device, **{**options, **size}).image(denoise)
+
+
+def tell_compiling(on: bool) -> None:
+    """Whether standard error says which kernels are compiled and how far that is (the default)."""
+    _native.tell_compiling(on)

@@ -4,6 +4,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include "claray/program/compiling.hpp"
 #include "handles.hpp"
 
 namespace claray::python {
@@ -44,6 +45,8 @@ void bind_device(nb::module_& module) {
         for (const DeviceInfo& info : list_devices()) list.append(as_dict(info));
         return list;
     });
+    on_compiling(compiling_lines());
+    module.def("tell_compiling", [](bool on) { on_compiling(on ? compiling_lines() : TellCompiling()); });
     nb::class_<PyDevice>(module, "NativeDevice")
         .def_static("open",
                     [](const std::string& selector) {
@@ -60,6 +63,7 @@ void bind_device(nb::module_& module) {
                  return without_gil(self, [&] { return PyDevice{self.device.with_new_queue()}; });
              })
         .def("info", [](const PyDevice& self) { return as_dict(self.device.info()); })
+        .def("prepare", [](const PyDevice& self) { without_gil(self, [&] { self.device.prepare(); }); })
         .def("finish", [](const PyDevice& self) { without_gil(self, [&] { self.device.finish(); }); })
         .def("context_ptr",
              [](const PyDevice& self) { return reinterpret_cast<std::uintptr_t>(self.device.context()()); })
