@@ -121,7 +121,8 @@ Scene load(const std::string& name, const LoadOptions& options, const LightOptio
     const bool is_later_frame = default_light && *default_light;
     if (is_later_frame && !lit) add(scene, **default_light);
     if (is_later_frame) return scene;
-    const MayChoose may{!lit, !has_camera && view.inside, view.inside.value_or(0.f)};
+    const bool shows_walls = surfaces.culling == int(Culling::none);
+    const MayChoose may{!lit, !has_camera && view.inside && !shows_walls, view.inside.value_or(0.f)};
     const Chosen chosen = make_visible(scene, camera_of(scene), view.aspect, may);
     print_warnings(lines_of(chosen));
     if (default_light) *default_light = chosen.added;

@@ -143,6 +143,21 @@ TEST_F(DarkFile, LightInPhysicalUnitsIsExposed) {
     EXPECT_NE(render({"--exposure", "bright"}).errors.find("neither a finite number nor auto"), std::string::npos);
 }
 
+/// A cube whose fronts are inside.
+TEST_F(DarkFile, OneSidedRoomsAreSeenFromInside) {
+    std::ofstream room(path("a.obj"));
+    for (int i = 0; i < 8; ++i)
+        room << "v " << (i & 1 ? 1 : -1) << (i & 2 ? " 1 " : " -1 ") << (i & 4 ? 1 : -1) << "\n";
+    room << "f 1 2 4 3\nf 5 7 8 6\nf 1 5 6 2\nf 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4\n";
+    room.close();
+    const ProcessResult inside = render({"--cull", "back"});
+    EXPECT_TRUE(tells(inside, "the view is from inside; choose another with --camera and --look-at; --cull none"));
+    EXPECT_GT(middle_of(path("a.png")), 50u);
+    const char* const told = "from inside";
+    EXPECT_FALSE(tells(render({"--cull", "none"}), told));
+    EXPECT_FALSE(tells(render({"--cull", "back", "--camera", "0,0,0", "--look-at", "1,0,0"}), told));
+}
+
 TEST_F(DarkFile, TheViewIsExposedToo) {
     std::ofstream(path("script.txt")) << "finish\nexposure 0\n";
     const auto view = [&](const std::string& lux, const std::vector<std::string>& more) {
