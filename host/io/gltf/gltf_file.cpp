@@ -110,7 +110,7 @@ void read_buffers(const std::vector<GltfSource>& sources, const GltfContainer& p
         const GltfSource& source = sources[i];
         tinygltf::Buffer& buffer = file.model.buffers[i];
         const std::string name = gltf_name("buffer", buffer.name, i);
-        buffer.uri = source.uri;
+        buffer.uri = is_data_uri(source.uri) ? "data:" : source.uri;  // the bytes themselves are enough
         buffer.data.clear();
         const bool in_chunk = i == 0 && source.uri.empty() && parts.binary && !source.is_optional;
         if (source.uri.empty() && !in_chunk) continue;  // whoever needs its bytes is told

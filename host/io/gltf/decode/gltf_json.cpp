@@ -76,15 +76,17 @@ void write_whole_numbers(json& value) {
         value = std::uint64_t(number);
 }
 
-std::string uri_of(const json& object) {
+/// Takes it away: it may hold all bytes.
+std::string take_uri(json& object) {
     const auto found = object.find("uri");
-    return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+    const bool is_text = found != object.end() && found->is_string();
+    return is_text ? std::move(found->get_ref<std::string&>()) : std::string();
 }
 
 /// The buffer that stands in its place has one byte.
 GltfSource take_buffer(json& buffer, std::size_t index, const GltfFile& file) {
     GltfSource source;
-    source.uri = uri_of(buffer);
+    source.uri = take_uri(buffer);
     const auto length = buffer.find("byteLength");
     const double bytes = length != buffer.end() && length->is_number() ? length->get<double>() : -1;
     if (!(bytes >= 0 && bytes < 1e15)) file.fail("buffer " + to_string(index) + " has no byteLength");
@@ -99,7 +101,7 @@ GltfSource take_buffer(json& buffer, std::size_t index, const GltfFile& file) {
 /// The image that stands in its place has the name of a file.
 GltfSource take_image(json& image) {
     GltfSource source;
-    source.uri = uri_of(image);
+    source.uri = take_uri(image);
     const auto view = image.find("bufferView");
     if (view != image.end() && view->is_number_integer()) source.view = view->get<int>();
     image.erase("bufferView");
