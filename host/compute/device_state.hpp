@@ -30,6 +30,7 @@ struct Device::State {
     bool store_programs = true;                      // in the cache on disk; PoCL compiles them again to do so
     std::map<std::string, cl::Program> programs;     // by file, options and, for user sources, text
     std::map<cl_program, std::string> parameters;    // of their kernels, see Kernel::check_arguments
+    std::size_t programs_of_all_asked = 0;           // their number when none of those asked for at once was missing
     std::vector<std::string> slow_programs;          // keys of programs that are only for a quick start
     std::vector<KernelRequest>* requests = nullptr;  // if set, kernels are recorded instead of loaded
     MemoryPlan* plan = nullptr;                      // if set, buffers are added up instead of created

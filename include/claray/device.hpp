@@ -83,8 +83,8 @@ public:
 
     /// Compiles ahead, into the cache on disk, what structures and queries need: trees of the builders `automatic` and
     /// `high`, instances, refits, rays and points. Blocks: up to a minute on a GPU where claray never ran, and less
-    /// than a second later. See claray/compiling.hpp for its progress, and compile_kernels for the kernels of renders.
-    /// Throws ErrorKind::device with the compiler's log.
+    /// than a second later. See claray/program/compiling.hpp for its progress, and compile_kernels for the kernels of
+    /// renders. Throws ErrorKind::device with the compiler's log.
     void prepare() const;
 
     /// Commands enqueued from now on wait for these events, which may be of any queue of the context. Asynchronous.

@@ -527,9 +527,11 @@ void compile_side_by_side(const Device& device, const std::function<void()>& loa
     if (device.state().requests != nullptr) return load();  // part of what another call compiles
     const bool side_by_side = device.tuning("compute/programs", "SIDE_BY_SIDE") != 0;
     const bool in_processes = has_compiler_processes(device), in_threads = side_by_side || in_processes;
-    if (!in_threads && !is_told_of_compiling()) return;  // load_kernel does the same
-    std::vector<Wanted> wanted = wanted_by(device, load);
     auto& programs = device.state().programs;
+    const bool seems_complete = !programs.empty() && programs.size() == device.state().programs_of_all_asked;
+    if (!in_threads && (seems_complete || !is_told_of_compiling())) return;  // load_kernel does the same
+    std::vector<Wanted> wanted = wanted_by(device, load);
+    if (wanted.empty()) device.state().programs_of_all_asked = programs.size();
     const auto begin = std::chrono::steady_clock::now();
     for_each(wanted.size(), in_threads, [&](std::size_t i) { wanted[i].program = load_if_cached(device, wanted[i]); });
     std::vector<ProgramRequest> missing;
