@@ -9,9 +9,9 @@
 #include <cstring>
 #include <new>
 
-#include "claray/program/compiling.hpp"
 #include "claray/error.hpp"
 #include "claray/program.hpp"
+#include "claray/program/compiling.hpp"
 #include "host/base/message.hpp"
 #include "host/base/process.hpp"
 #include "host/cli/commands.hpp"
