@@ -61,7 +61,7 @@ private:
     void replace(const TableWriter& written, Section& section);
 
     std::vector<std::uint32_t> media_;  // materials by their rank, see nested_media
-    std::shared_ptr<Lights> on_host_;  // what follows from other lights than those replaced is not computed again
+    std::shared_ptr<Lights> on_host_;   // what follows from other lights than those replaced is not computed again
     Section of_materials_, of_lights_;
 };
 

@@ -23,8 +23,9 @@ constexpr std::uint32_t most_surfaces_of_probes =
 
 constexpr const char* path_kernel_stem = "render/trace_paths";
 
-constexpr std::uint64_t bytes_per_path = 2 * (sizeof(Ray) + sizeof(PathState) + sizeof(RayCone) + sizeof(std::uint64_t)) + sizeof(Ray) +
-                                         sizeof(Hit) + sizeof(LightSample) + sizeof(std::uint8_t) + 3 * sizeof(float);
+constexpr std::uint64_t bytes_per_path =
+    2 * (sizeof(Ray) + sizeof(PathState) + sizeof(RayCone) + sizeof(std::uint64_t)) + sizeof(Ray) + sizeof(Hit) +
+    sizeof(LightSample) + sizeof(std::uint8_t) + 3 * sizeof(float);
 
 /// At most a 16th of the device's memory, and no buffer larger than it allows.
 std::uint32_t choose_capacity(const Device& device, std::uint64_t most_paths, bool guided) {

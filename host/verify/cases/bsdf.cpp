@@ -216,8 +216,9 @@ public:
     [[nodiscard]] bool above() const { return above_; }
     [[nodiscard]] virtual std::size_t size() const = 0;
     [[nodiscard]] virtual std::size_t cell(const glm::dvec3& direction) const = 0;
-    /// The midpoints of `fine` times `fine` parts of each cell.
-    virtual void visit(int fine, const Visitor& visitor) const = 0;
+    /// The midpoints of parts of each cell, so many that the midpoint rule's error is far below the noise of a million
+    /// samples.
+    virtual void visit(const Visitor& visitor) const = 0;
 
 private:
     bool above_;
@@ -243,7 +244,8 @@ public:
         const double turn = std::atan2(y, x) / (2 * pi) + 0.5;
         return std::size_t(ring) * turns + std::min(int(turn * turns), turns - 1);
     }
-    void visit(int fine, const Visitor& visitor) const override {
+    void visit(const Visitor& visitor) const override {
+        constexpr int fine = 32;
         for (std::size_t ring = 0; ring + 1 < edges_.size(); ++ring)
             for (int i = 0; i < fine; ++i) {
                 const double width = (edges_[ring + 1] - edges_[ring]) / fine, angle = edges_[ring] + (i + 0.5) * width;
@@ -278,8 +280,8 @@ public:
         return std::size_t(at.y) * steps + at.x;
     }
     /// Parts near the horizon are split further: there the density jumps, and lost light has its narrow peak.
-    void visit(int fine, const Visitor& visitor) const override {
-        const int all = steps * fine;
+    void visit(const Visitor& visitor) const override {
+        constexpr int fine = 16, all = steps * fine;
         const double width = 2.0 / all;
         for (int y = 0; y < all; ++y)
             for (int x = 0; x < all; ++x) {
@@ -324,7 +326,7 @@ std::vector<double> expected_shares(const TestedMaterial& material, const glm::v
     std::vector<float> directions;
     std::vector<double> solid_angles;
     std::vector<std::size_t> cells;
-    grid.visit(16, [&](std::size_t cell, const glm::dvec3& d, double solid_angle) {
+    grid.visit([&](std::size_t cell, const glm::dvec3& d, double solid_angle) {
         if ((d.z > 0) != grid.above()) return;
         directions.insert(directions.end(), {float(d.x), float(d.y), float(d.z)});
         solid_angles.push_back(solid_angle), cells.push_back(cell);

@@ -29,8 +29,8 @@
 #define CLARAY_STRETCH_TABLE (CLARAY_STRETCH_AVERAGES + CLARAY_STRETCH_SIZE * CLARAY_STRETCH_SIZE)
 
 /// The cosines to the facets that reflect: shares of what an isotropic conductor reflects once, by roughness,
-/// cosine_place, and the cosines (k / 7)^2, such that sums of shares times values there are means over the facets. Their
-/// averages over the hemisphere follow, by roughness.
+/// cosine_place, and the cosines (k / 7)^2, such that sums of shares times values there are means over the facets.
+/// Their averages over the hemisphere follow, by roughness.
 #define CLARAY_FACETS (CLARAY_STRETCH + CLARAY_STRETCH_TABLE)
 #define CLARAY_FACET_COSINES 8
 #define CLARAY_FACET_AVERAGES (CLARAY_ENERGY_SIZE * CLARAY_ENERGY_SIZE * CLARAY_FACET_COSINES)
