@@ -54,7 +54,7 @@ void read_all(PlyMesh& maker, PlyReader& reader, std::string_view bytes, const s
     maker.read_by(reader);
 }
 
-Material material_of(const std::string& image, Scene& scene, SceneTextures& textures, const std::filesystem::path& path,
+Material material_of(const std::string& image, SceneTextures& textures, const std::filesystem::path& path,
                      Warnings& warnings) {
     Material material = grey_lambert(image);
     material.albedo = glm::vec3(1.f);
@@ -77,7 +77,7 @@ void add_materials(Scene& scene, const PlyReader& reader, bool has_uvs, const st
     SceneTextures textures(scene);
     if (has_uvs)
         for (const std::string& image : reader.images())
-            scene.materials.push_back(material_of(image, scene, textures, path, warnings));
+            scene.materials.push_back(material_of(image, textures, path, warnings));
     if (!scene.materials.empty()) return;
     scene.materials.push_back(grey_lambert(scene.name));
     for (Mesh& mesh : scene.meshes) mesh.materials.clear();

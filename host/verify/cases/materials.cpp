@@ -105,7 +105,8 @@ void furnaces(Run& run) {
                 const double more_lost = cosines[i] < 0.35f ? kind.grazing - 0.01 : 0;
                 const double error = kind.complete ? std::max(albedo - 1.0, 1.0 - double(albedo) - more_lost) : 0;
                 if (!(error <= (smooth_glass ? 0.005 : 0.01)) || !(albedo <= 1.01f))
-                    run.failure(named(kind, roughness) + " scatters " + std::to_string(albedo));
+                    run.failure(named(kind, roughness) + " scatters " + std::to_string(albedo) + " at cosine " +
+                                std::to_string(cosines[i]));
                 most[0] = std::max(most[0], double(albedo)), off[smooth_glass] = std::max(off[smooth_glass], error);
                 tried[smooth_glass] += samples;
             }
