@@ -102,16 +102,17 @@ TEST_F(BadInput, FullDisk) {
         run_claray({"render", "cornell", "-o", path("full.png"), "--size", "16x16", "--spp", "1", "-q"});
     EXPECT_TRUE(failed_with(full, 1, "No space left on device; free some space"));
 
-    // A limit on file sizes ends an ordinary file halfway, as a full disk does, and the half must not stay. Compilers
-    // write files, too: their work is done before.
-    const std::vector<std::string> whole = arguments("cornell", {"--size", "128x128", "--wait-for-kernels"});
+    // A limit on file sizes ends an ordinary file halfway, as a full disk does, and the half must not stay. The driver's
+    // files are smaller than the limit of 4 MiB, or 8 where the shell counts in KiB.
+    const std::vector<std::string> whole = {"render",    "cornell", "-o", path("out.pfm"), "--size",
+                                            "1024x1024", "--spp",   "1",  "--quiet",       "--wait-for-kernels"};
     ASSERT_EQ(run_claray(whole).exit_code, 0);
-    fs::remove(path("out.png"));
-    std::string command = "trap '' XFSZ; ulimit -f 1; exec \"$@\"";
+    fs::remove(path("out.pfm"));
+    std::string command = "trap '' XFSZ; ulimit -f 8192; exec \"$@\"";
     std::vector<std::string> limited = {"sh", "-c", command, "sh"};
     for (const std::string& argument : claray_command(whole)) limited.push_back(argument);
     EXPECT_TRUE(
-        failed_with(run_process(limited, {{"CLARAY_DEVICE", std::to_string(device().info().index)}}), 1, "out.png"));
+        failed_with(run_process(limited, {{"CLARAY_DEVICE", std::to_string(device().info().index)}}), 1, "out.pfm"));
 }
 
 TEST_F(BadInput, ASceneOfWhichNothingCanBeSeen) {

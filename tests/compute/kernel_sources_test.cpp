@@ -18,9 +18,11 @@ TEST(KernelSources, HashIsThatOfTheTextsInUse) {
     EXPECT_EQ(before, hash_of_texts());
     replace_kernel_source(path, text + "// more\n");
     EXPECT_NE(hash_of_kernel_sources(), before);
+    EXPECT_TRUE(has_own_kernel_sources());
     EXPECT_EQ(hash_of_kernel_sources(), hash_of_texts());
     replace_kernel_source(path, text);
     EXPECT_EQ(hash_of_kernel_sources(), before);
+    EXPECT_FALSE(has_own_kernel_sources()) << "other processes have the same texts again";
 }
 
 }  // namespace

@@ -21,10 +21,9 @@ void add_exposure_option(CLI::App& command, RenderOptions& o) {
             },
             "Brighten a PNG by this many stops, or auto: by as many as show its surfaces in a medium brightness [auto\n"
             "where they would be mostly white or black, else 0]")
-        ->check([](const std::string& text) {
-            return text == "auto" || parse_numbers(text).size() == 1
-                       ? std::string()
-                       : "'" + text + "' is neither a finite number nor auto";
+        ->check([number = finite_number()](const std::string& text) {
+            const std::string mistake = text == "auto" ? std::string() : number(text);
+            return mistake.empty() ? mistake : mistake + ", or auto";
         })
         ->type_name("STOPS");
 }

@@ -54,18 +54,22 @@ std::vector<KernelSource>& changeable_sources() {
 }
 
 unsigned replaced = 0;
+std::string original_hash;  // of the texts before the first replacement
 
 }  // namespace
 
 const std::vector<KernelSource>& kernel_sources() { return changeable_sources(); }
 
 void replace_kernel_source(const std::string& path, std::string text) {
+    if (replaced == 0) original_hash = hash_of_kernel_sources();
     for (KernelSource& source : changeable_sources())
         if (source.path == path) source.text = std::move(text);
     ++replaced;
 }
 
 unsigned kernel_sources_replaced() { return replaced; }
+
+bool has_own_kernel_sources() { return replaced > 0 && hash_of_kernel_sources() != original_hash; }
 
 std::string hash_of_kernel_sources() {
     static std::mutex mutex;

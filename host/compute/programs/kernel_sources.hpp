@@ -26,6 +26,8 @@ const KernelSource& kernel_source(const std::string& path);
 void replace_kernel_source(const std::string& path, std::string text);
 /// The number of replacements so far: programs compiled before and after them differ.
 [[nodiscard]] unsigned kernel_sources_replaced();
+/// Whether replaced texts are in force, which other processes do not have.
+[[nodiscard]] bool has_own_kernel_sources();
 
 /// Of all paths and texts. Computed once, and again after a replacement, since renders ask for it many times a second.
 [[nodiscard]] std::string hash_of_kernel_sources();

@@ -102,7 +102,7 @@ void furnaces(Run& run) {
             const std::vector<float> albedos = out.read();
             for (std::size_t i = 0; i < count; ++i) {
                 const float albedo = albedos[i];
-                const double more_lost = cosines[i] < 0.35f ? kind.grazing - 0.01 : 0;
+                const double more_lost = cosines[i] < Kind::grazes_below ? kind.grazing - 0.01 : 0;
                 const double error = kind.complete ? std::max(albedo - 1.0, 1.0 - double(albedo) - more_lost) : 0;
                 if (!(error <= (smooth_glass ? 0.005 : 0.01)) || !(albedo <= 1.01f))
                     run.failure(named(kind, roughness) + " scatters " + std::to_string(albedo) + " at cosine " +

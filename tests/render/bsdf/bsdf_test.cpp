@@ -53,7 +53,7 @@ TEST_P(Bsdf, FurnaceStaysWhiteAtEveryRoughnessAndAngle) {
         for (std::size_t i = 0; i < count; ++i) {
             EXPECT_LE(albedos[i], 1.01f) << "roughness " << roughness << ", cosine " << cosines[i];
             if (!GetParam().complete) continue;
-            EXPECT_GE(albedos[i], 1 - (cosines[i] < 0.35f ? GetParam().grazing : 0.01))
+            EXPECT_GE(albedos[i], 1 - (cosines[i] < Kind::grazes_below ? GetParam().grazing : 0.01))
                 << "roughness " << roughness << ", cosine " << cosines[i];
         }
     }
