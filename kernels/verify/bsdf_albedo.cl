@@ -15,7 +15,7 @@ static inline float radical_inverse(uint k, uint base) {
 kernel void albedo(MATERIAL, uint count, uint samples, global const float* cosines, global float* out) {
     const uint i = get_global_id(0);
     if (i >= count) return;
-    const BsdfView view = {tables, (float3)(sqrt(1.0f - cosines[i] * cosines[i]), 0.0f, cosines[i]), UP, inside};
+    const BsdfView view = upright_view(tables, (float3)(sqrt(1.0f - cosines[i] * cosines[i]), 0.0f, cosines[i]), inside);
     float sum = 0.0f;
     for (uint k = 0; k < samples; ++k) {
         const float4 at = {((float)k + 0.5f) / (float)samples, radical_inverse(k, 2u), radical_inverse(k, 3u), radical_inverse(k, 5u)};

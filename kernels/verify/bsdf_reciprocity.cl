@@ -12,7 +12,7 @@ static CLARAY_OUTLINED float worst_of_pairs(MATERIAL, uint item, uint pairs, uin
         const float z = 1.0f - a.x, around = b.z * 2.0f - 1.0f;
         const float3 o = (float3)(sqrt(1.0f - z * z) * cosine_and_sine(a.y), z);
         float3 i = (float3)(sqrt(1.0f - around * around) * cosine_and_sine(b.x), around);
-        const BsdfView view = {tables, o, UP, inside};
+        const BsdfView view = upright_view(tables, o, inside);
         BsdfSample s;
         if ((k & 1u) && sample_bsdf(&material, &view, (float3)(b.xy, a.z), &s)) i = s.incoming;
         if (i.z == 0.0f) continue;
@@ -22,7 +22,7 @@ static CLARAY_OUTLINED float worst_of_pairs(MATERIAL, uint item, uint pairs, uin
         float there = 0.0f, back = 0.0f;
 #pragma unroll 1  // eval_bsdf is inlined, and NVIDIA's compiler takes half a minute for each copy
         for (uint way = 0; way < 2; ++way) {
-            const BsdfView from = {tables, way ? i * turn : o, UP, way ? inside != through : inside};
+            const BsdfView from = upright_view(tables, way ? i * turn : o, way ? inside != through : inside);
             float pdf;
             const float value = eval_bsdf(&material, &from, way ? o * turn : i, &pdf).x;
             if (way) back = value / o.z; else there = value / fabs(i.z);

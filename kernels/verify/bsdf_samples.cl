@@ -5,7 +5,7 @@
 typedef struct Sampled { float x, y, z, weight, pdf, eval_value, eval_pdf; uint valid; } Sampled;
 
 static CLARAY_OUTLINED Sampled draw(MATERIAL, float3 outgoing, uint i, bool evaluates) {
-    const BsdfView view = {tables, outgoing, UP, inside};
+    const BsdfView view = upright_view(tables, outgoing, inside);
     resolve_principled(&material, 0.0f);
     BsdfSample s;
     Sampled r = {0, 0, 0, 0, 0, 0, 0, 0};
@@ -25,7 +25,7 @@ kernel void sample(MATERIAL, float ox, float oy, float oz, uint count, uint eval
 
 static CLARAY_OUTLINED float evaluate(MATERIAL, float3 outgoing, float3 incoming, float* pdf) {
     resolve_principled(&material, 0.0f);
-    const BsdfView view = {tables, outgoing, UP, inside};
+    const BsdfView view = upright_view(tables, outgoing, inside);
     return eval_bsdf(&material, &view, incoming, pdf).x / fabs(incoming.z);
 }
 
