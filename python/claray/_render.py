@@ -109,18 +109,18 @@ def render(scene: Scene, **options: Any) -> Image:
     return Renderer(scene, **options).image()
 
 
-def prepare(scene: Scene | None = None, *, device: Device | None = None, denoise: bool | str = False, **options: Any) -> None:
+def prepare(scene: Scene | None = None, *, device: AnyDevice = None, denoise: bool | str = False, **options: Any) -> None:
     """Compiles kernels ahead, into the cache on disk, so that later calls and processes start without delay.
 
-    Without a scene: what structures and queries need. With one: what its renders need, and image(denoise=...). device: a
-    Device; None: default_device(). options: as for Renderer. Says on standard error what is compiled (tell_compiling).
+    Without a scene: what structures and queries need. With one: what its renders need, and image(denoise=...). device: as
+    for Bvh. options: as for Renderer. Says on standard error what is compiled (tell_compiling).
     Blocks: up to a minute on a GPU where claray never ran. Raises DeviceError with the compiler's log.
     """
-    device = device or default_device()
+    on = device_of(device)
     if scene is None:
         if options or denoise:
             raise UsageError("prepare: options of renders need a scene")
-        device._native.prepare()
+        on._native.prepare()
         return
     size = {"width": 64, "height": 64, "spp": 1}
     Renderer(scene, device=device, **{**options, **size}).image(denoise)
