@@ -5,6 +5,8 @@
 #include <functional>
 #include <string>
 
+#include "claray/error.hpp"
+
 namespace claray {
 
 /// Kernels that this process and its compilers have compiled since it began, and these with those that are known to be
