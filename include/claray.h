@@ -187,8 +187,8 @@ typedef struct claray_nearest {
  * which one is found; INFINITY: any. nearest: `count` elements. Points that are not finite find nothing. Blocks. */
 CLARAY_API claray_status claray_nearest_point(const claray_bvh* bvh, const float* points, size_t count, float reach,
                                               claray_nearest* nearest);
-/* Writes 1 for each point inside of the closed mesh, else 0. An open mesh (claray_bvh_is_closed) has no inside: a point is
- * then called inside if the ray from it along +z crosses the surface an odd number of times. Blocks. */
+/* Writes 1 for each point inside of the closed mesh, else 0. An open mesh (claray_bvh_is_closed) has no inside: a point
+ * is then called inside if the ray from it along +z crosses the surface an odd number of times. Blocks. */
 CLARAY_API claray_status claray_inside(const claray_bvh* bvh, const float* points, size_t count, uint8_t* inside);
 /* The distance of each point to the surface of the closed mesh, negative inside (as of claray_inside). Blocks. */
 CLARAY_API claray_status claray_signed_distance(const claray_bvh* bvh, const float* points, size_t count,

@@ -8,8 +8,8 @@
 #include "host/compute/device_error.hpp"
 #include "host/compute/device_state.hpp"
 #include "host/compute/drivers/driver_setup.hpp"
-#include "host/compute/fork.hpp"
 #include "host/compute/drivers/icd.hpp"
+#include "host/compute/fork.hpp"
 #include "host/compute/tuning.hpp"
 
 namespace claray {

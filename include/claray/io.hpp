@@ -73,8 +73,8 @@ struct LoadOptions {
 /// Loads a Wavefront OBJ with its MTL and the images of used materials. Polygons are triangulated, negative indices are
 /// resolved, and the faces of one group or object form one mesh. Lines and points become tubes and spheres.
 /// docs/formats.md tells the meaning of each MTL key. A missing MTL or image causes a warning and grey. Throws
-/// ErrorKind::user, naming the file (and the line, if known), for a missing or empty file, an index out of range, a file
-/// without faces and points, and an image that is damaged or too large.
+/// ErrorKind::user, naming the file (and the line, if known), for a missing or empty file, an index out of range, a
+/// file without faces and points, and an image that is damaged or too large.
 [[nodiscard]] Scene load_obj(const std::filesystem::path& path, Warnings& warnings);
 
 /// Loads a PLY, text or binary: the elements vertex (positions, normals, texture coordinates, colours), face (colours
@@ -102,8 +102,8 @@ struct LoadOptions {
 /// load_gltf.
 [[nodiscard]] std::optional<double> animation_seconds(const std::string& name_or_path, const LoadOptions& options = {});
 
-/// Loads a built-in scene by name, or else a file by its extension (.obj, .ply, .stl, .gltf, .glb), or by its content if
-/// it has another extension or none. Throws ErrorKind::usage for options that the format does not support.
+/// Loads a built-in scene by name, or else a file by its extension (.obj, .ply, .stl, .gltf, .glb), or by its content
+/// if it has another extension or none. Throws ErrorKind::usage for options that the format does not support.
 [[nodiscard]] Scene load_scene(const std::string& name_or_path, Warnings& warnings, const LoadOptions& options = {});
 
 /// The sides of surfaces that rays hit.

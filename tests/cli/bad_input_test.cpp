@@ -102,8 +102,8 @@ TEST_F(BadInput, FullDisk) {
         run_claray({"render", "cornell", "-o", path("full.png"), "--size", "16x16", "--spp", "1", "-q"});
     EXPECT_TRUE(failed_with(full, 1, "No space left on device; free some space"));
 
-    // A limit on file sizes ends an ordinary file halfway, as a full disk does, and the half must not stay. The driver's
-    // files are smaller than the limit of 4 MiB, or 8 where the shell counts in KiB.
+    // A limit on file sizes ends an ordinary file halfway, as a full disk does, and the half must not stay. The
+    // driver's files are smaller than the limit of 4 MiB, or 8 where the shell counts in KiB.
     const std::vector<std::string> whole = {"render",    "cornell", "-o", path("out.pfm"), "--size",
                                             "1024x1024", "--spp",   "1",  "--quiet",       "--wait-for-kernels"};
     ASSERT_EQ(run_claray(whole).exit_code, 0);
