@@ -45,7 +45,9 @@ void expect_sound(const char* target, std::uint32_t count, std::uint64_t most_by
     std::printf("%s: %u read, %u refused, memory grew by %.1f MB\n", target, outcome.read, outcome.refused,
                 double(outcome.grown_bytes) * 1e-6);
     EXPECT_GT(outcome.read, 0u);
-    if (refusable) EXPECT_GT(outcome.refused, 0u);
+    if (refusable) {
+        EXPECT_GT(outcome.refused, 0u);
+    }
     EXPECT_LE(outcome.grown_bytes, most_bytes);
 }
 
