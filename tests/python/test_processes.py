@@ -63,6 +63,7 @@ def test_forked_processes_end_by_themselves():
     """They release all objects, and run what is registered at their end."""
     program = """
 import os, sys, claray
+claray.tell_compiling(False)
 bvh = claray.Bvh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
 claray.any_hit(bvh, [[0, 0, 1]], [[0, 0, -1]])
 child = os.fork()
@@ -78,6 +79,7 @@ print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
 def test_fork_before_the_first_use_is_fine():
     program = """
 import os, claray
+claray.tell_compiling(False)
 child = os.fork()
 bvh = claray.Bvh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
 print(claray.any_hit(bvh, [[0.2, 0.2, 1]], [[0, 0, -1]]), flush=True)
