@@ -10,6 +10,7 @@
 #include <mutex>
 #include <vector>
 
+#include "host/base/environment.hpp"
 #include "host/compute/drivers/icd.hpp"
 #include "host/compute/drivers/pocl_folder.hpp"
 
@@ -17,11 +18,6 @@ namespace claray {
 namespace {
 
 namespace fs = std::filesystem;
-
-const char* value_of(const char* variable) {
-    const char* value = std::getenv(variable);
-    return value != nullptr ? value : "";
-}
 
 void give_threads_a_stack() {
 #ifdef __GLIBC__
@@ -86,7 +82,7 @@ void set_up_drivers() {
 void bind_threads_started_by(const std::function<void()>& start) {
 #ifdef __linux__
     static std::atomic<bool> started = false;
-    if (!started.exchange(true) && *value_of("POCL_AFFINITY") == '\0') {
+    if (!started.exchange(true) && environment("POCL_AFFINITY").empty()) {
         const std::vector<pid_t> before = threads_of_process();
         start();
         std::vector<pid_t> threads = threads_of_process();

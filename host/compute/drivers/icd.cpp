@@ -16,6 +16,7 @@
 
 #include "claray/error.hpp"
 #include "claray/opencl.hpp"
+#include "host/base/environment.hpp"
 #include "host/base/file.hpp"
 #include "host/base/folders.hpp"
 #include "host/base/hash.hpp"
@@ -24,11 +25,6 @@ namespace claray {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string environment(const char* variable) {
-    const char* value = std::getenv(variable);
-    return value != nullptr ? value : "";
-}
 
 Icd read_icd(const fs::path& file) {
     std::string library;

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "claray/error.hpp"
+#include "host/base/environment.hpp"
 #include "host/base/folders.hpp"
 
 namespace claray {
@@ -20,10 +21,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* prefix = "claray-process-";
 
-fs::path path_in(const char* variable) {
-    const char* value = std::getenv(variable);
-    return value != nullptr ? value : "";
-}
+fs::path path_in(const char* variable) { return environment(variable); }
 
 /// PoCL's default (lib/CL/pocl_cache.c, 3.1 to 6.0). Without these variables it takes /tmp/pocl, where other users
 /// could place programs: unusable.
