@@ -38,6 +38,7 @@ std::filesystem::path path_of_face(const std::filesystem::path& output, const st
 }
 
 void probe(const ProbeOptions& options) {
+    check_writable(options.output);  // its extension, before anything is rendered
     if (options.faces) std::filesystem::create_directories(path_of_face(options.output, "px").parent_path());
     const char* const names[] = {"px", "nx", "py", "ny", "pz", "nz"};
     std::vector<NamedFile> files;
