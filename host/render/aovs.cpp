@@ -19,20 +19,21 @@ Defines defines_of_aovs(const SceneBuffers& scene, EffectSet effects) {
 }
 
 AovStage::AovStage(const SceneBuffers& scene, EffectSet effects, std::uint32_t pixels)
-    : depth(scene.structure.device(), pixels),
-      normal(depth.device(), 3 * std::size_t(pixels)),
-      albedo(depth.device(), 3 * std::size_t(pixels)),
-      primitive(depth.device(), pixels),
-      visits(depth.device(), pixels),
-      counts_(depth.device(), pixels),
+    : counts_(scene.structure.device(), pixels),
       trace_(scene.structure, QueryKernel::Kind::closest, options_of(scene, counts_), {}),
-      write_(load_kernel(depth.device(), "render/write_aovs.cl", "write_aovs", defines_of_aovs(scene, effects))) {}
+      write_(load_kernel(counts_.device(), "render/write_aovs.cl", "write_aovs", defines_of_aovs(scene, effects))) {
+#define CLARAY_ALLOCATE(name, kind, letters, meaning) \
+    name = Buffer<AovWord<aov_kinds::kind>>(counts_.device(), pixels * sizeof(aov_kinds::kind) / sizeof(float));
+    CLARAY_AOVS(CLARAY_ALLOCATE)
+#undef CLARAY_ALLOCATE
+}
 
 void AovStage::run(Wavefront& wavefront, const SceneBuffers& scene, std::uint32_t first, std::uint32_t count) {
     wavefront.trace_centers({first, count, 0, 1, 0}, trace_);
-    write_.run({count, 64}, wavefront.step_of({}, 0, count), scene, wavefront.rays(), wavefront.hits(), counts_,
-               arg("depth", depth), arg("normal", normal), arg("albedo", albedo), arg("primitive", primitive),
-               arg("visited", visits));
+#define CLARAY_ARGUMENT(name, kind, letters, meaning) , arg(#name, name)
+    write_.run({count, 64}, wavefront.step_of({}, 0, count), scene, wavefront.rays(), wavefront.hits(),
+               counts_ CLARAY_AOVS(CLARAY_ARGUMENT));
+#undef CLARAY_ARGUMENT
 }
 
 }  // namespace claray

@@ -7,6 +7,10 @@
 
 namespace claray {
 
+/// What kernels write of an AOV whose pixels have this type: floats or whole numbers.
+template <class Pixel>
+using AovWord = std::conditional_t<std::is_same_v<Pixel, std::uint32_t>, std::uint32_t, float>;
+
 /// Of kernels that describe the surfaces at pixel centres.
 [[nodiscard]] Defines defines_of_aovs(const SceneBuffers& scene, EffectSet effects);
 
@@ -15,17 +19,21 @@ public:
     /// Loads the kernels for these effects, and buffers for `pixels` pixels at a time.
     AovStage(const SceneBuffers& scene, EffectSet effects, std::uint32_t pixels);
 
-    [[nodiscard]] std::uint32_t capacity() const { return std::uint32_t(depth.size()); }
+    [[nodiscard]] std::uint32_t capacity() const { return std::uint32_t(counts_.size()); }
     /// Traces pixels `first` to `first` + `count` - 1, at most `capacity()`; asynchronous. The data of pixel `first` +
     /// i is element i.
     void run(Wavefront& wavefront, const SceneBuffers& scene, std::uint32_t first, std::uint32_t count);
 
     [[nodiscard]] std::uint64_t bytes() const {
-        return buffer_bytes(depth, normal, albedo, primitive, visits, counts_);
+#define CLARAY_BUFFER(name, kind, letters, meaning) , name
+        return buffer_bytes(counts_ CLARAY_AOVS(CLARAY_BUFFER));
+#undef CLARAY_BUFFER
     }
 
-    Buffer<float> depth, normal, albedo;  ///< 1, 3 and 3 per pixel, as in Aovs
-    Buffer<std::uint32_t> primitive, visits;
+    // The AOVs' words, as in Aovs.
+#define CLARAY_BUFFER(name, kind, letters, meaning) Buffer<AovWord<aov_kinds::kind>> name;
+    CLARAY_AOVS(CLARAY_BUFFER)
+#undef CLARAY_BUFFER
 
 private:
     Buffer<Visits> counts_;

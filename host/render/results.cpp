@@ -112,19 +112,19 @@ Aovs Renderer::aovs() const {
     State& state = *state_;
     const std::size_t pixels = state.pixels();
     AovStage& stage = state.aov_stage();
-    VectorRoom<float> depth(pixels);
-    VectorRoom<glm::vec3> normal(pixels), albedo(pixels);
-    VectorRoom<std::uint32_t> primitive(pixels), visits(pixels);
+#define CLARAY_ROOM(name, kind, letters, meaning) VectorRoom<aov_kinds::kind> name(pixels);
+    CLARAY_AOVS(CLARAY_ROOM)
+#undef CLARAY_ROOM
     for (std::size_t first = 0; first < pixels; first += stage.capacity()) {
         const std::size_t n = std::min<std::size_t>(stage.capacity(), pixels - first);
         stage.run(state.wavefront, state.buffers, std::uint32_t(first), std::uint32_t(n));
-        read_back(stage.depth, depth.span().subspan(first, n));
-        read_back(stage.normal, normal.span().subspan(first, n));
-        read_back(stage.albedo, albedo.span().subspan(first, n));
-        read_back(stage.primitive, primitive.span().subspan(first, n));
-        read_back(stage.visits, visits.span().subspan(first, n));
+#define CLARAY_READ(name, kind, letters, meaning) read_back(stage.name, name.span().subspan(first, n));
+        CLARAY_AOVS(CLARAY_READ)
+#undef CLARAY_READ
     }
-    Aovs aovs{depth.take(), normal.take(), albedo.take(), primitive.take(), visits.take()};
+#define CLARAY_TAKE(name, kind, letters, meaning) name.take(),
+    Aovs aovs{CLARAY_AOVS(CLARAY_TAKE)};
+#undef CLARAY_TAKE
     if (!state.shape.numbers.empty())
         for (std::uint32_t& triangle : aovs.primitive) triangle = state.shape.numbers.number_there(triangle);
     return aovs;

@@ -33,14 +33,35 @@ Image error_map(const std::vector<float>& variances, int width, int height) {
     return false_color(unsigned(width), unsigned(height), errors);
 }
 
-Image image_of(const Aovs& aovs, const std::string& shows, unsigned width, unsigned height) {
-    if (shows == "depth") return false_color(width, height, aovs.depth);
-    if (shows == "primitive") return identifier_color(width, height, aovs.primitive);
-    if (shows == "heat") return false_color(width, height, {aovs.visits.begin(), aovs.visits.end()});
-    Image image{width, height, aovs.albedo};
-    if (shows == "normal")
-        for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = 0.5f * (aovs.normal[i] + 1.f);
-    return image;
+std::vector<glm::vec3> direction_colors(const std::vector<glm::vec3>& directions) {
+    const auto channel = [](float n) {
+        return linear_from_srgb(std::uint8_t(std::lround(127.5f * (glm::clamp(n, -1.f, 1.f) + 1.f))));
+    };
+    std::vector<glm::vec3> colors;
+    colors.reserve(directions.size());
+    for (const glm::vec3& d : directions) colors.emplace_back(channel(d.x), channel(d.y), channel(d.z));
+    return colors;
+}
+
+Image picture_of(AovKind, unsigned width, unsigned height, const std::vector<float>& pixels) {
+    return false_color(width, height, pixels);
+}
+
+Image picture_of(AovKind kind, unsigned width, unsigned height, const std::vector<glm::vec3>& pixels) {
+    return {width, height, kind == AovKind::direction ? direction_colors(pixels) : pixels};
+}
+
+Image picture_of(AovKind kind, unsigned width, unsigned height, const std::vector<std::uint32_t>& pixels) {
+    if (kind == AovKind::identifier) return identifier_color(width, height, pixels);
+    return false_color(width, height, {pixels.begin(), pixels.end()});
+}
+
+Image picture_of(const Aovs& aovs, const std::string& name, unsigned width, unsigned height) {
+    Image picture{width, height, std::vector<glm::vec3>(std::size_t(width) * height)};
+    for_each_aov(aovs, [&](const AovRow& row, const auto& pixels) {
+        if (name == row.name) picture = picture_of(row.kind, width, height, pixels);
+    });
+    return picture;
 }
 
 }  // namespace claray::view

@@ -148,7 +148,7 @@ std::span<const std::uint8_t> View::shown() {
     const unsigned width = config_.render.width, height = config_.render.height;
     if (shows_ == "image") return denoises_ ? renderer_->denoised_picture(picture) : renderer_->picture(picture);
     false_colors_ = encoded(shows_ == "error" ? error_map(renderer_->noise_map(), int(width), int(height))
-                                              : image_of(renderer_->aovs(), shows_, width, height));
+                                              : picture_of(renderer_->aovs(), shows_, width, height));
     return false_colors_;
 }
 
@@ -303,7 +303,7 @@ std::string View::pick(const ViewCommand& command) {
            name_of(scene_.meshes[selected_->mesh].name, selected_->mesh) + ", triangle " +
            std::to_string(selected_->triangle) + ", material " + name_of(material.name, selected_->material) + " (" +
            effects_of_surface(scene_, *selected_) + "), distance " + printed("%.6g", double(aovs.depth[pixel])) + ", " +
-           std::to_string(aovs.visits[pixel]) + " boxes and triangles tested";
+           std::to_string(aovs.heat[pixel]) + " boxes and triangles tested";
 }
 
 std::string View::set_material(const ViewCommand& command) {

@@ -6,9 +6,12 @@
 #include <sstream>
 
 #include "claray/error.hpp"
+#include "claray/shared/aovs.h"
 
 namespace claray::view {
 namespace {
+
+#define CLARAY_OR_NAME(name, kind, letters, meaning) "|" #name
 
 constexpr CommandRow commands[] = {
     {"orbit", nullptr, 2, "RIGHT UP", "turn round the target, in degrees"},
@@ -21,7 +24,7 @@ constexpr CommandRow commands[] = {
     {"aperture", nullptr, 1, "RADIUS", "radius of the lens, in units of the scene; 0: all is sharp"},
     {"exposure", nullptr, 1, "STOPS", "brighten by so many stops"},
     {"tone", "NAME", 0, "none|aces", "tone map"},
-    {"show", "NAME", 0, "image|depth|normal|albedo|primitive|heat|error", "what is seen"},
+    {"show", "NAME", 0, "image" CLARAY_AOVS(CLARAY_OR_NAME) "|error", "what is seen"},
     {"denoise", "NAME", 0, "on|off", "show the image without most of its noise"},
     {"pick", nullptr, 2, "X Y", "select the object at a pixel, and tell what it is"},
     {"material", "NAME", 3, "albedo|emission R G B, roughness|metallic|ior|transmission V 0 0",

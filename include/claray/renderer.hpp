@@ -8,6 +8,7 @@
 #include "claray/bvh.hpp"
 #include "claray/effects.hpp"
 #include "claray/picture.hpp"
+#include "claray/shared/aovs.h"
 #include "claray/shared/gbuffer.h"
 
 namespace claray {
@@ -200,14 +201,46 @@ struct RenderStatistics {
     bool guided = false;                  ///< whether paths were guided, or will be by what was learnt so far
 };
 
-/// Per-pixel data of the first surface that is visible at the pixel's centre.
+/// The types of a pixel by the kinds of AOVs (claray/shared/aovs.h).
+namespace aov_kinds {
+using distance = float;
+using direction = glm::vec3;
+using color = glm::vec3;
+using identifier = std::uint32_t;
+using count = std::uint32_t;
+}  // namespace aov_kinds
+
+/// Per-pixel data of the first surface that is visible at the pixel's centre: `depth`, `normal`, `albedo`, `primitive`
+/// and `heat`, each a vector of width * height elements, row by row from the top left.
 struct Aovs {
-    std::vector<float> depth;       ///< distance from the camera; +inf if nothing is hit
-    std::vector<glm::vec3> normal;  ///< shading normal, on the camera's side
-    std::vector<glm::vec3> albedo;
-    std::vector<std::uint32_t> primitive;  ///< CLARAY_MISS if nothing is hit
-    std::vector<std::uint32_t> visits;     ///< number of boxes and triangles tested: the heat map
+#define CLARAY_MEMBER(name, kind, letters, meaning) std::vector<aov_kinds::kind> name = {};
+    CLARAY_AOVS(CLARAY_MEMBER)
+#undef CLARAY_MEMBER
 };
+
+/// How a picture shows an AOV.
+enum class AovKind { distance, direction, color, identifier, count };
+
+struct AovRow {
+    const char* name;
+    AovKind kind;
+    const char* letters;  ///< channels of an EXR's layer, one letter each
+    const char* meaning;
+};
+inline constexpr AovRow aov_rows[] = {
+#define CLARAY_ROW(name, kind, letters, meaning) {#name, AovKind::kind, letters, meaning},
+    CLARAY_AOVS(CLARAY_ROW)
+#undef CLARAY_ROW
+};
+
+/// Calls visit(const AovRow&, pixels) for each AOV; `pixels` is the member of `aovs`.
+template <class AovsOrConst, class Visit>
+void for_each_aov(AovsOrConst& aovs, Visit&& visit) {
+    const AovRow* row = aov_rows;
+#define CLARAY_VISIT(name, kind, letters, meaning) visit(*row++, aovs.name);
+    CLARAY_AOVS(CLARAY_VISIT)
+#undef CLARAY_VISIT
+}
 
 /// How unit vectors become two 16-bit numbers.
 enum class NormalPacking {

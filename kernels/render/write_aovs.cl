@@ -1,32 +1,55 @@
 // AOVs: data of the first surfaces that camera rays meet.
+#include "claray/shared/aovs.h"
 #include "claray/shared/path.h"
 #include "claray/shared/types.h"
 #include "shade/seen_surface.clh"
 
-/// The normal and the color of the surface that a ray meets.
-static CLARAY_OUTLINED void look_at(const FrameData* frame, SCENE_PARAMETERS, Ray ray, SceneHit found, Hit hit, float3* shading, float3* color) {
+/// What a camera ray meets. Surface and material are those of a hit only.
+typedef struct Seen {
+    bool missed;
+    Hit hit;
+    Visits visits;
     Surface surface;
     MaterialData material;
-    find_seen_surface(frame, SCENE, ray, found, hit, &surface, &material);
-    *shading = surface.shading;
-    // Denoisers expect values from 0 to 1 that differ between surfaces, including lamps.
-    *color = (float3)(material.albedo_r, material.albedo_g, material.albedo_b);
-    *color = fmin(*color + (float3)(material.emission_r, material.emission_g, material.emission_b), 1.0f);
+} Seen;
+
+static inline float aov_depth(const Seen* seen) { return seen->missed ? INFINITY : seen->hit.t; }
+static inline float3 aov_normal(const Seen* seen) { return seen->missed ? (float3)(0.0f) : seen->surface.shading; }
+static inline uint aov_primitive(const Seen* seen) { return seen->hit.primitive; }
+static inline uint aov_heat(const Seen* seen) { return seen->visits.nodes + seen->visits.triangles; }
+
+/// Denoisers expect values from 0 to 1 that differ between surfaces, including lamps.
+static inline float3 aov_albedo(const Seen* seen) {
+    if (seen->missed) return (float3)(0.0f);
+    const MaterialData* m = &seen->material;
+    const float3 albedo = (float3)(m->albedo_r, m->albedo_g, m->albedo_b);
+    return fmin(albedo + (float3)(m->emission_r, m->emission_g, m->emission_b), 1.0f);
 }
+
+#define WRITE_distance(pixel, i, to) to[i] = pixel
+#define WRITE_identifier WRITE_distance
+#define WRITE_count WRITE_distance
+#define WRITE_direction(pixel, i, to) vstore3(pixel, i, to)
+#define WRITE_color WRITE_direction
+
+#define WORD_distance float
+#define WORD_direction float
+#define WORD_color float
+#define WORD_identifier uint
+#define WORD_count uint
+
+#define PARAMETER(name, kind, letters, meaning) , global WORD_##kind* name
+#define WRITE(name, kind, letters, meaning) WRITE_##kind(aov_##name(&seen), i, name);
 
 /// For the first `step.capacity` rays.
 kernel void write_aovs(Step step, SCENE_PARAMETERS, global const Ray* rays, global const SceneHit* hits,
-                       global const Visits* visits, global float* depth, global float* normal, global float* albedo,
-                       global uint* primitive, global uint* visited) {
+                       global const Visits* visits CLARAY_AOVS(PARAMETER)) {
     const uint i = get_global_id(0);
     if (i >= step.capacity) return;
-    const Hit hit = seen_hit(hits[i] INSTANCE_BUFFERS);
-    const bool missed = hit.primitive == CLARAY_MISS;
-    primitive[i] = hit.primitive;
-    visited[i] = visits[i].nodes + visits[i].triangles;
-    depth[i] = missed ? INFINITY : hit.t;
-    float3 shading = (float3)(0.0f), color = (float3)(0.0f);
-    if (!missed) look_at(&step.frame, SCENE, rays[i], hits[i], hit, &shading, &color);
-    vstore3(shading, i, normal);
-    vstore3(color, i, albedo);
+    Seen seen;
+    seen.hit = seen_hit(hits[i] INSTANCE_BUFFERS);
+    seen.missed = seen.hit.primitive == CLARAY_MISS;
+    seen.visits = visits[i];
+    if (!seen.missed) find_seen_surface(&step.frame, SCENE, rays[i], hits[i], seen.hit, &seen.surface, &seen.material);
+    CLARAY_AOVS(WRITE)
 }

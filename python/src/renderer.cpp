@@ -63,11 +63,11 @@ nb::dict aovs(const PyRenderer& self) {
     Aovs all = without_gil(self.device, [&] { return self.renderer.aovs(); });
     const std::vector<std::size_t> one = {self.height, self.width}, three = {self.height, self.width, 3};
     nb::dict dict;
-    dict["depth"] = array_of<float>(std::move(all.depth), one);
-    dict["normal"] = array_of<float>(std::move(all.normal), three);
-    dict["albedo"] = array_of<float>(std::move(all.albedo), three);
-    dict["primitive"] = array_of<std::uint32_t>(std::move(all.primitive), one);
-    dict["visits"] = array_of<std::uint32_t>(std::move(all.visits), one);
+    for_each_aov(all, [&](const AovRow& row, auto& pixels) {
+        using Pixel = typename std::remove_reference_t<decltype(pixels)>::value_type;
+        using Word = std::conditional_t<std::is_same_v<Pixel, std::uint32_t>, std::uint32_t, float>;
+        dict[row.name] = array_of<Word>(std::move(pixels), sizeof(Pixel) == sizeof(Word) ? one : three);
+    });
     return dict;
 }
 

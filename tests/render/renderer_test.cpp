@@ -345,7 +345,7 @@ TEST(Renderer, AovsAreOfThePixelCentres) {
             EXPECT_NEAR(aovs.depth[i], std::sqrt(px * px + pz * pz + 16), 1e-5);
             EXPECT_NEAR(glm::distance(aovs.normal[i], scene.meshes[0].normals[0]), 0, 1e-6);
             EXPECT_EQ(aovs.albedo[i], glm::vec3(0.75f));
-            EXPECT_GT(aovs.visits[i], 0u);
+            EXPECT_GT(aovs.heat[i], 0u);
         }
 }
 

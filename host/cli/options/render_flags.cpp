@@ -47,23 +47,28 @@ void add_image_options(CLI::App& command, RenderOptions& o) {
     const std::vector<std::pair<std::string, DenoiserKind>> denoisers = {
         {"automatic", DenoiserKind::automatic}, {"claray", DenoiserKind::claray}, {"oidn", DenoiserKind::oidn}};
     command
-        .add_flag(
-            "--denoise{automatic}", o.denoiser,
-            "Remove noise from the image, in the time of one to five samples. --denoise=claray: claray's kernels;\n"
-            "=oidn: Open Image Denoise; =automatic: the latter if it is installed. Blurs faint shadows and "
-            "reflections\n"
-            "in rough metal, but no textures (see docs/denoise.md)")
+        .add_flag("--denoise{automatic}", o.denoiser,
+                  "Remove noise from the image. --denoise=claray: claray's kernels;\n"
+                  "=oidn: Open Image Denoise; =automatic: the latter if it is installed. Blurs faint shadows and "
+                  "reflections\n"
+                  "in rough metal, but no textures (see docs/denoise.md)")
         ->transform(choice_of(denoisers));
+    std::vector<std::string> names;
+    std::string meanings;
+    for (const AovRow& row : aov_rows) {
+        names.emplace_back(row.name);
+        meanings += std::string("\n") + row.name + ": " + row.meaning;
+    }
+    names.insert(names.end(), {"gbuffer", "voxels"});
     command
         .add_option("--aov", o.aovs,
-                    "Also write OUTPUT.NAME.png and .pfm, or layers of an .exr: depth normal albedo primitive heat; "
-                    "gbuffer: packed as\n"
-                    "deferred renderers keep it, .raw and a picture of each part (see docs/formats.md); voxels:\n"
-                    "those of --grid-voxels, by the albedo of their surfaces.\n"
-                    "albedo includes emitted light up to 1, as denoisers expect")
+                    "Also write OUTPUT.NAME.png and .pfm, or layers of an .exr:" + meanings +
+                        "\ngbuffer: packed as deferred renderers keep it, .raw and a picture of each part "
+                        "(see docs/formats.md)"
+                        "\nvoxels: of --grid-voxels, by the albedo of their surfaces")
         ->take_all()
         ->delimiter(',')
-        ->check(name_among(std::vector<std::string>(std::begin(aov_names), std::end(aov_names))));
+        ->check(name_among(names));
 }
 
 void add_quality_options(CLI::App& command, RenderOptions& o) {

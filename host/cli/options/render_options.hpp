@@ -42,7 +42,6 @@ struct RenderOptions {
     bool picks_settings = false, picks_builder = true;  // by target; the builder only without --builder
 };
 
-inline constexpr const char* aov_names[] = {"depth", "normal", "albedo", "primitive", "heat", "gbuffer", "voxels"};
 /// The views of a G-buffer, OUTPUT.NAME.png.
 inline constexpr const char* gbuffer_views[] = {"gbuffer-albedo", "gbuffer-material", "gbuffer-normal", "gbuffer-depth",
                                                 "gbuffer-position"};

@@ -13,61 +13,49 @@
 #include "host/cli/output/messages.hpp"
 #include "host/cli/output/table.hpp"
 #include "host/compute/memory.hpp"
+#include "host/view/false_colors.hpp"
 
 namespace claray::cli {
 namespace {
-
-template <class T>
-std::vector<float> as_floats(const std::vector<T>& values) {
-    return {values.begin(), values.end()};
-}
-
-/// Directions as the colours of normal maps: inverts the sRGB curve, so that the stored byte is 127.5 (n + 1).
-std::vector<glm::vec3> direction_colors(const std::vector<glm::vec3>& directions) {
-    const auto channel = [](float n) {
-        return linear_from_srgb(std::uint8_t(std::lround(127.5f * (glm::clamp(n, -1.f, 1.f) + 1.f))));
-    };
-    std::vector<glm::vec3> colors;
-    colors.reserve(directions.size());
-    for (const glm::vec3& d : directions) colors.emplace_back(channel(d.x), channel(d.y), channel(d.z));
-    return colors;
-}
-
-void write_aov(const std::string& name, const Aovs& aovs, const RenderOptions& options) {
-    const unsigned width = options.config.width, height = options.config.height;
-    const auto paths = aov_paths(options.output, name);
-    const auto &picture = paths.first, &raw = paths.second;
-    const auto write_scalar = [&](const std::vector<float>& values, const Image& image) {
-        write_image(picture, image, 0.f, ToneMap::none);
-        write_pfm(raw, width, height, values);
-    };
-    const auto write_color = [&](const std::vector<glm::vec3>& values, const Image& image) {
-        write_image(picture, image, 0.f, ToneMap::none);
-        write_image(raw, {width, height, values});
-    };
-    if (name == "depth") write_scalar(aovs.depth, false_color(width, height, aovs.depth));
-    if (name == "normal") write_color(aovs.normal, {width, height, direction_colors(aovs.normal)});
-    if (name == "albedo") write_color(aovs.albedo, {width, height, aovs.albedo});
-    if (name == "primitive") write_scalar(as_floats(aovs.primitive), identifier_color(width, height, aovs.primitive));
-    if (name == "heat") write_scalar(as_floats(aovs.visits), false_color(width, height, as_floats(aovs.visits)));
-}
 
 std::vector<float> components_of(const std::vector<glm::vec3>& values) {
     return {&values[0].x, &values[0].x + 3 * values.size()};
 }
 
+ImageLayer layer_of(const AovRow& row, const std::vector<float>& pixels) { return {row.name, row.letters, pixels}; }
+ImageLayer layer_of(const AovRow& row, const std::vector<glm::vec3>& pixels) {
+    return {row.name, row.letters, components_of(pixels)};
+}
+ImageLayer layer_of(const AovRow& row, const std::vector<std::uint32_t>& pixels) {
+    return {row.name, row.letters, {}, pixels};
+}
+
+void write_raw(const std::filesystem::path& path, unsigned width, unsigned height,
+               const std::vector<glm::vec3>& pixels) {
+    write_image(path, {width, height, pixels});
+}
+template <class Scalar>
+void write_raw(const std::filesystem::path& path, unsigned width, unsigned height, const std::vector<Scalar>& pixels) {
+    write_pfm(path, width, height, {pixels.begin(), pixels.end()});
+}
+
+void write_aov(const std::string& name, const Aovs& aovs, const RenderOptions& options) {
+    const unsigned width = options.config.width, height = options.config.height;
+    const auto [picture, raw] = aov_paths(options.output, name);
+    write_image(picture, view::picture_of(aovs, name, width, height), 0.f, ToneMap::none);
+    for_each_aov(aovs, [&, &raw = raw](const AovRow& row, const auto& pixels) {
+        if (name == row.name) write_raw(raw, width, height, pixels);
+    });
+}
+
 /// The image and its AOVs; layers and channels have the names that Blender and Nuke show.
 void write_layers(const std::vector<glm::vec3>& pixels, const Renderer& renderer, const RenderOptions& options) {
-    Aovs aovs = renderer.aovs();
+    const Aovs aovs = renderer.aovs();
     std::vector<ImageLayer> layers = {{"", "RGB", components_of(pixels)}};
-    for (const std::string& name : options.aovs) {
-        if (!is_layer(options.output, name)) continue;
-        if (name == "depth") layers.push_back({name, "Z", std::move(aovs.depth)});
-        if (name == "normal") layers.push_back({name, "XYZ", components_of(aovs.normal)});
-        if (name == "albedo") layers.push_back({name, "RGB", components_of(aovs.albedo)});
-        if (name == "primitive") layers.push_back({name, "X", {}, std::move(aovs.primitive)});
-        if (name == "heat") layers.push_back({name, "X", {}, std::move(aovs.visits)});
-    }
+    for (const std::string& name : options.aovs)
+        for_each_aov(aovs, [&](const AovRow& row, const auto& values) {
+            if (name == row.name) layers.push_back(layer_of(row, values));
+        });
     write_exr(options.output, options.config.width, options.config.height, layers);
 }
 
@@ -104,7 +92,7 @@ void write_gbuffer(const GBuffer& buffer, const RenderOptions& options) {
     const unsigned width = buffer.width, height = buffer.height;
     const Image views[] = {{width, height, albedo},
                            identifier_color(width, height, materials),
-                           {width, height, direction_colors(normals)},
+                           {width, height, view::direction_colors(normals)},
                            false_color(width, height, depth),
                            {width, height, position_colors(buffer)}};
     for (std::size_t i = 0; i < std::size(views); ++i)

@@ -77,8 +77,8 @@ TEST(Parts, HaveTheAovsOfOneTree) {
     EXPECT_EQ(one.depth, three.depth);
     EXPECT_TRUE(same_bits(one.normal, three.normal));
     std::uint64_t of_one = 0, of_three = 0;
-    for (std::size_t i = 0; i < one.visits.size(); ++i) of_one += one.visits[i], of_three += three.visits[i];
-    EXPECT_GT(of_three, of_one) << "visits of all parts count";
+    for (std::size_t i = 0; i < one.heat.size(); ++i) of_one += one.heat[i], of_three += three.heat[i];
+    EXPECT_GT(of_three, of_one) << "tests in all parts count";
 }
 
 /// Four times what the device holds.
