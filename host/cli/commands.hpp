@@ -1,4 +1,4 @@
-// The subcommands of the program `claray`: one function and one file each.
+// The subcommands of the program `claray`: one file each, which defines add_NAME_command.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -11,10 +11,15 @@ namespace claray::cli {
 /// The work of the command line: set while it is parsed, run afterwards.
 using Action = std::function<void()>;
 
-using AddCommand = void(CLI::App& app, Action& action);
-AddCommand add_devices_command, add_scenes_command, add_render_command, add_explain_command, add_compile_command,
-    add_bake_command, add_build_command, add_bench_command, add_tune_command, add_verify_command, add_accuracy_command,
-    add_view_command, add_probe_command, add_normal_map_command;
+/// All commands, in the order of the help.
+#define CLARAY_COMMANDS(X)                                                                                             \
+    X(devices)                                                                                                         \
+    X(scenes) X(render) X(explain) X(compile) X(bake) X(build) X(bench) X(tune) X(verify) X(accuracy) X(view) X(probe) \
+        X(normal_map)
+
+#define CLARAY_DECLARE(name) void add_##name##_command(CLI::App& app, Action& action);
+CLARAY_COMMANDS(CLARAY_DECLARE)
+#undef CLARAY_DECLARE
 
 /// Opens the device of a command. Prints the warnings about the user's tuning tables.
 [[nodiscard]] Device open_device(const std::string& selector = {});

@@ -101,11 +101,9 @@ int run_program(int argc, char** argv) {
     app.set_version_flag("--version", "claray " CLARAY_VERSION);
     app.require_subcommand(0, 1);  // without one see below: CLI11 would not name an unknown command
     Action action;
-    for (AddCommand* const add :
-         {add_devices_command, add_scenes_command, add_render_command, add_explain_command, add_compile_command,
-          add_bake_command, add_build_command, add_bench_command, add_tune_command, add_verify_command,
-          add_accuracy_command, add_view_command, add_probe_command, add_normal_map_command})
-        add(app, action);
+#define CLARAY_ADD(name) add_##name##_command(app, action);
+    CLARAY_COMMANDS(CLARAY_ADD)
+#undef CLARAY_ADD
     try {
         app.parse(argc, argv);
         refuse_empty_values(app);
