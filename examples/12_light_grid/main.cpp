@@ -200,7 +200,8 @@ int main(int argc, char** argv) try {
     std::printf("%u frames of 16 samples, %.1f ms each\n", count, walk.milliseconds);
     print_changes("change of a point from one frame to the next", walk);
 
-    ahead = to - from, scene.camera->orthographic_height = 0.5f * glm::length(ahead);
+    ahead = to - from, scene.camera->projection = claray::Projection::orthographic,
+    scene.camera->orthographic_height = 0.5f * glm::length(ahead);
     place(0);
     const float length = glm::length(ahead);
     const auto of_pixels = [&](const Frame& before, const Frame& now) {

@@ -106,7 +106,8 @@ claray::Scene make_scene(float aspect) {
         const float size = 0.25f + 0.2f * random_number(), angle = 2 * pi * random_number();
         add_sprite(scene.meshes[0], 1 + i % 3, {at, 0.02f + 0.0005f * float(i)}, size, angle);
     }
-    scene.camera = claray::Camera{.position = {0, 0, 5}, .orthographic_height = 4.f};
+    scene.camera = claray::Camera{
+        .position = {0, 0, 5}, .projection = claray::Projection::orthographic, .orthographic_height = 4.f};
     return scene;
 }
 

@@ -51,8 +51,11 @@ constexpr std::array rows = {
     EffectRow{Effect::environment, "environment", "ENVIRONMENT", 0, shade},
     EffectRow{Effect::depth_of_field, "depth-of-field", "DEPTH_OF_FIELD", 0, generate},
     EffectRow{Effect::camera_motion, "camera-motion", "CAMERA_MOTION", 0, generate},
-    EffectRow{Effect::orthographic, "orthographic", "ORTHOGRAPHIC", 0, generate | shade},
-    EffectRow{Effect::instances, "instances", nullptr, 0, 0},
+#define CLARAY_ROW(name, NAME, text, flat, parallel, stretch) \
+    EffectRow{Effect::name, text, "PROJECTIONS", CLARAY_##NAME, generate | shade},
+    CLARAY_OTHER_PROJECTIONS(CLARAY_ROW)
+#undef CLARAY_ROW
+        EffectRow{Effect::instances, "instances", nullptr, 0, 0},
     EffectRow{Effect::instance_motion, "instance-motion", nullptr, 0, 0},
     EffectRow{Effect::primitives, "primitives", nullptr, 0, 0},
     EffectRow{Effect::vertex_colors, "vertex-colors", "VERTEX_COLORS", 0, shade | aovs},

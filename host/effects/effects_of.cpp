@@ -146,7 +146,10 @@ private:
     void visit(const Camera& camera) {
         if (camera.aperture_radius > 0) call_(Effect::depth_of_field, "camera", {}, 0);
         if (moves(camera)) call_(Effect::camera_motion, "camera", {}, 0);
-        if (camera.orthographic_height > 0) call_(Effect::orthographic, "camera", {}, 0);
+#define CLARAY_ROW(name, NAME, text, flat, parallel, stretch) \
+    if (camera.projection == Projection::name) call_(Effect::name, "camera", {}, 0);
+        CLARAY_OTHER_PROJECTIONS(CLARAY_ROW)
+#undef CLARAY_ROW
     }
 
     [[nodiscard]] const Texture& texture(std::uint32_t index) const {
@@ -242,7 +245,11 @@ Scene without_effects(Scene scene, EffectSet effects) {
     if (lost(Effect::environment)) scene.environment = {};
     if (scene.camera && lost(Effect::depth_of_field)) scene.camera->aperture_radius = 0.f;
     if (scene.camera && lost(Effect::camera_motion)) scene.camera->position_end = scene.camera->target_end = {};
-    if (scene.camera && lost(Effect::orthographic)) scene.camera->orthographic_height = 0.f;
+#define CLARAY_ROW(name, NAME, text, flat, parallel, stretch)                               \
+    if (scene.camera && scene.camera->projection == Projection::name && lost(Effect::name)) \
+        scene.camera->projection = Projection::perspective;
+    CLARAY_OTHER_PROJECTIONS(CLARAY_ROW)
+#undef CLARAY_ROW
     for (MeshInstance& instance : scene.instances)
         if (lost(Effect::instance_motion)) instance.transform_end = {};
     if (lost(Effect::instances)) scene.instances.clear();

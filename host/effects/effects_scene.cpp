@@ -158,7 +158,10 @@ Scene scene_calling_for(EffectSet effects) {
     Camera camera{{0.f, 3.f, 3.f}, {0.f, 0.f, 0.f}, {0.f, 1.f, 0.f}, 60.f};
     if (effects.has(Effect::depth_of_field)) camera.aperture_radius = 0.01f;
     if (effects.has(Effect::camera_motion)) camera.position_end = glm::vec3(0.f, 3.f, 3.1f);
-    if (effects.has(Effect::orthographic)) camera.orthographic_height = 4.f;
+#define CLARAY_ROW(name, NAME, text, flat, parallel, stretch) \
+    if (effects.has(Effect::name)) camera.projection = Projection::name;
+    CLARAY_OTHER_PROJECTIONS(CLARAY_ROW)
+#undef CLARAY_ROW
     scene.camera = camera;
     if (!(effects & EffectSet{Effect::instances, Effect::instance_motion}).empty())
         for (std::uint32_t i = 0; i < scene.meshes.size(); ++i) {

@@ -10,6 +10,7 @@
 #include "host/base/random.hpp"
 #include "host/lights/lights.hpp"
 #include "host/lights/luminance.hpp"
+#include "host/scene/camera.hpp"
 #include "host/textures/cutouts.hpp"
 #include "host/textures/mean_texel.hpp"
 #include "host/textures/texture_use.hpp"
@@ -257,12 +258,9 @@ ProbedRow probe_row(const Probe& probe, const CameraData& camera, unsigned row) 
     for (unsigned column = 0; column < side; ++column) {
         const double x = 2 * (column + random.uniform()) / side - 1, y = 1 - 2 * (row + random.uniform()) / side;
         const glm::dvec3 forward(camera.forward_x, camera.forward_y, camera.forward_z);
-        const glm::dvec3 aside = x * glm::dvec3(camera.right_x, camera.right_y, camera.right_z) +
-                                 y * glm::dvec3(camera.up_x, camera.up_y, camera.up_z);
-        const glm::dvec3 position(camera.x, camera.y, camera.z);
-        const glm::dvec3 origin = camera.orthographic ? position + aside : position;
-        const glm::dvec3 direction = camera.orthographic ? forward : glm::normalize(forward + aside);
-        const std::optional<ProbeSight> sight = probe.look(origin, direction);
+        const CameraRay ray = camera_ray(camera, x, y);
+        const glm::dvec3 direction = glm::normalize(ray.direction);
+        const std::optional<ProbeSight> sight = probe.look(ray.origin, direction);
         if (!sight) continue;
         const double luminance = probe.lit_grey(*sight, random, found.open);
         found.add(*sight, luminance, glm::dot(direction, forward));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/scene/camera.hpp"
 #include "host/scene/placement.hpp"
 
 namespace claray::measure {
@@ -35,10 +36,8 @@ std::vector<Ray> primary_rays(const Camera& camera, unsigned width, unsigned hei
             x = tile % row * 8 + in_tile % 8, y = tile / row * 8 + in_tile / 8;
         }
         const float u = (float(x) + 0.5f) / float(width) * 2 - 1, v = 1 - (float(y) + 0.5f) / float(height) * 2;
-        const glm::vec3 aside = u * glm::vec3(c.right_x, c.right_y, c.right_z) + v * glm::vec3(c.up_x, c.up_y, c.up_z);
-        const glm::vec3 forward(c.forward_x, c.forward_y, c.forward_z);
-        const glm::vec3 origin = glm::vec3(c.x, c.y, c.z) + (c.orthographic ? aside : glm::vec3(0.f));
-        const glm::vec3 direction = c.orthographic ? forward : forward + aside;
+        const CameraRay ray = camera_ray(c, double(u), double(v));
+        const glm::vec3 origin(ray.origin), direction(ray.direction);
         rays[i] = {origin.x, origin.y, origin.z, 0, direction.x, direction.y, direction.z, 1e30f};
     }
     return rays;

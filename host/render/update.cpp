@@ -8,7 +8,12 @@
 namespace claray {
 namespace {
 
-constexpr EffectSet of_cameras = {Effect::depth_of_field, Effect::camera_motion, Effect::orthographic};
+constexpr EffectSet of_cameras = {
+#define CLARAY_ROW(name, NAME, text, flat, parallel, stretch) Effect::name,
+    CLARAY_OTHER_PROJECTIONS(CLARAY_ROW)
+#undef CLARAY_ROW
+        Effect::depth_of_field,
+    Effect::camera_motion};
 constexpr EffectSet of_lights = {
 #define CLARAY_ROW(name, NAME, text, far, cone) Effect::name##_lights,
     CLARAY_LIGHT_KINDS(CLARAY_ROW)

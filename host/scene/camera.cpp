@@ -4,6 +4,7 @@
 
 #include "claray/error.hpp"
 #include "claray/scene.hpp"
+#include "host/scene/camera.hpp"
 
 namespace claray {
 namespace {
@@ -141,9 +142,12 @@ void check_view(const glm::dvec3& view, const glm::dvec3& change, const glm::dve
 }
 
 void check_projection(const Camera& camera) {
-    if (!(camera.orthographic_height >= 0.f) || std::isinf(camera.orthographic_height))
-        refuse_camera("the orthographic height is negative or not finite",
-                      "give the height of the image, or 0 for perspective");
+    const ProjectionTraits* traits = traits_of(camera.projection);
+    if (!traits) refuse_camera("its projection is unknown", "use a Projection");
+    if (!(camera.orthographic_height > 0.f) || std::isinf(camera.orthographic_height))
+        refuse_camera("the orthographic height is not positive and finite", "give the height of the image");
+    if (!traits->flat && camera.aperture_radius > 0.f)
+        refuse_camera("it has a lens, but its image is no plane", "use an aperture of 0");
     if (!(camera.vertical_fov > 0.f && camera.vertical_fov < 180.f))
         refuse_camera("the field of view is not between 0 and 180 degrees", "use for example 40");
 }
@@ -181,19 +185,29 @@ CameraData camera_data(const Camera& camera, float aspect) {
     const glm::dvec3 forward = view / distance;
     const glm::dvec3 right = glm::normalize(glm::cross(forward, glm::dvec3(camera.up)));
 
-    const bool orthographic = camera.orthographic_height > 0.f;
-    const double half_height = orthographic ? 0.5 * double(camera.orthographic_height)
-                                            : std::tan(0.5 * glm::radians(double(camera.vertical_fov)));
-    const glm::vec3 f(forward), r(right * (half_height * aspect)), u(glm::cross(right, forward) * half_height);
+    const ProjectionTraits& traits = *traits_of(camera.projection);
+    const double half_height = !traits.flat      ? 1.0
+                               : traits.parallel ? 0.5 * double(camera.orthographic_height)
+                                                 : std::tan(0.5 * glm::radians(double(camera.vertical_fov)));
+    const double half_width = traits.flat ? half_height * aspect : 1.0;
+    const glm::vec3 f(forward), r(right * half_width), u(glm::cross(right, forward) * half_height);
     const glm::vec3 m(move), v(view), w(view_move), a(glm::normalize(glm::dvec3(camera.up)));
     const glm::vec3& p = camera.position;
     const bool follows_target = camera.focus_distance == 0.f;
     const float lens = camera.aperture_radius;
     const float focus = !follows_target ? camera.focus_distance : moves(camera) ? 0.f : float(distance);
-    const auto width = float(half_height * aspect), height = float(half_height);
-    const std::uint32_t parallel = orthographic ? 1 : 0;
-    return {p.x, p.y, p.z, f.x, f.y, f.z, r.x, r.y, r.z, u.x, u.y, u.z,   lens,   focus,   m.x,
-            m.y, m.z, v.x, v.y, v.z, w.x, w.y, w.z, a.x, a.y, a.z, width, height, parallel};
+    const auto width = float(half_width), height = float(half_height);
+    const auto projection = std::uint32_t(camera.projection);
+    return {p.x, p.y, p.z, f.x, f.y, f.z, r.x, r.y, r.z, u.x, u.y, u.z,   lens,   focus,     m.x,
+            m.y, m.z, v.x, v.y, v.z, w.x, w.y, w.z, a.x, a.y, a.z, width, height, projection};
+}
+
+CameraRay camera_ray(const CameraData& c, double x, double y) {
+    const glm::dvec3 right(c.right_x, c.right_y, c.right_z), up(c.up_x, c.up_y, c.up_z);
+    const glm::dvec3 forward(c.forward_x, c.forward_y, c.forward_z), position(c.x, c.y, c.z);
+    const ProjectionRay ray = aim_ray(c.projection, x, y);
+    return {position + (ray.from_right * right + ray.from_up * up),
+            ray.forward * forward + (ray.right * right + ray.up * up)};
 }
 
 }  // namespace claray

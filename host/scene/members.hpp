@@ -92,9 +92,9 @@ void visit_members(T& use, const Visit& visit) {
 
 template <IsOf<Camera> T, class Visit>
 void visit_members(T& camera, const Visit& visit) {
-    auto& [position, target, up, vertical_fov, aperture_radius, focus_distance, position_end, target_end,
+    auto& [position, target, up, vertical_fov, aperture_radius, focus_distance, position_end, target_end, projection,
            orthographic_height] = camera;
-    visit(position, target, up, vertical_fov, aperture_radius, focus_distance, position_end, target_end,
+    visit(position, target, up, vertical_fov, aperture_radius, focus_distance, position_end, target_end, projection,
           orthographic_height);
 }
 

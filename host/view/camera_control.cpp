@@ -6,6 +6,7 @@
 
 #include "claray/error.hpp"
 #include "host/base/format.hpp"
+#include "host/scene/camera.hpp"
 
 namespace claray::view {
 namespace {
@@ -64,8 +65,8 @@ Camera turn(const Camera& camera, float right_degrees, float up_degrees) {
 glm::vec3 along_image(const Camera& camera, const glm::vec3& point, float right, float up) {
     const Axes axes = axes_of(camera);
     const double distance = glm::dot(glm::dvec3(point) - glm::dvec3(camera.position), axes.forward);
-    const double height = camera.orthographic_height > 0
-                              ? camera.orthographic_height
+    const double height = traits_of(camera.projection)->parallel
+                              ? double(camera.orthographic_height)
                               : 2 * distance * std::tan(0.5 * glm::radians(double(camera.vertical_fov)));
     return glm::vec3(height * (double(right) * axes.right + double(up) * axes.up));
 }
@@ -82,9 +83,9 @@ Camera fly(const Camera& camera, float forward, float right, float up) {
 Camera zoom(const Camera& camera, float factor) {
     if (!(factor > 0)) throw Error(ErrorKind::user, "zoom: the factor must be greater than 0", "use for example 1.1");
     Camera result = camera;
-    if (camera.orthographic_height > 0) {
+    if (traits_of(camera.projection)->parallel) {
         result.orthographic_height /= factor;
-        if (result.orthographic_height == 0)  // which would mean a perspective camera
+        if (result.orthographic_height == 0)
             throw Error(ErrorKind::user, "zoom: the height of the image becomes 0", "use a smaller factor");
         return result;
     }
@@ -95,26 +96,20 @@ Camera zoom(const Camera& camera, float factor) {
 
 namespace {
 
-/// From the middle of the image to the centre of a pixel, in the plane at distance 1 (orthographic: any).
-glm::vec3 across(const CameraData& camera, unsigned x, unsigned y, unsigned width, unsigned height) {
-    const float right = 2.f * (float(x) + 0.5f) / float(width) - 1.f,
-                up = 1.f - 2.f * (float(y) + 0.5f) / float(height);
-    return right * glm::vec3(camera.right_x, camera.right_y, camera.right_z) +
-           up * glm::vec3(camera.up_x, camera.up_y, camera.up_z);
+CameraRay ray_through(const CameraData& camera, unsigned x, unsigned y, unsigned width, unsigned height) {
+    return camera_ray(camera, 2 * (x + 0.5) / width - 1, 1 - 2 * (y + 0.5) / height);
 }
 
 }  // namespace
 
 glm::vec3 direction_through(const CameraData& camera, unsigned x, unsigned y, unsigned width, unsigned height) {
-    const glm::vec3 forward(camera.forward_x, camera.forward_y, camera.forward_z);
-    return glm::normalize(camera.orthographic != 0 ? forward : forward + across(camera, x, y, width, height));
+    return glm::vec3(glm::normalize(ray_through(camera, x, y, width, height).direction));
 }
 
 glm::vec3 point_through(const CameraData& camera, unsigned x, unsigned y, unsigned width, unsigned height,
                         float distance) {
-    glm::vec3 origin(camera.x, camera.y, camera.z);
-    if (camera.orthographic != 0) origin += across(camera, x, y, width, height);
-    return origin + distance * direction_through(camera, x, y, width, height);
+    const CameraRay ray = ray_through(camera, x, y, width, height);
+    return glm::vec3(ray.origin + double(distance) * glm::normalize(ray.direction));
 }
 
 std::string options_of(const Camera& camera) {
@@ -123,8 +118,10 @@ std::string options_of(const Camera& camera) {
     };
     std::string options = triple("--camera", camera.position) + triple("--look-at", camera.target);
     if (camera.up != glm::vec3(0, 1, 0)) options += triple("--up", camera.up);
-    options += camera.orthographic_height > 0 ? printed("--ortho %.9g", double(camera.orthographic_height))
-                                              : printed("--fov %.9g", double(camera.vertical_fov));
+    const ProjectionTraits& traits = *traits_of(camera.projection);
+    options += traits.parallel ? printed("--ortho %.9g", double(camera.orthographic_height))
+               : traits.flat   ? printed("--fov %.9g", double(camera.vertical_fov))
+                               : printed("--projection %s", traits.name);
     if (camera.aperture_radius > 0) options += printed(" --aperture %.9g", double(camera.aperture_radius));
     if (camera.aperture_radius > 0 && camera.focus_distance > 0)
         options += printed(" --focus-distance %.9g", double(camera.focus_distance));

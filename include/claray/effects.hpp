@@ -13,7 +13,8 @@ namespace claray {
 
 /// Each effect is a part of the kernel code that a scene may not need. Every BSDF is an effect: Effect::lambert,
 /// mirror, glass, metal, blinn_phong, principled, unlit, thin_walls, coated_metal and custom. Every kind of light is an
-/// effect: Effect::point_lights, directional_lights, spot_lights and sun_lights.
+/// effect: Effect::point_lights, directional_lights, spot_lights and sun_lights. Every camera that is not perspective
+/// is an effect: Effect::orthographic.
 enum class Effect : std::uint8_t {
     smooth_normals,
     transmission,
@@ -47,7 +48,6 @@ enum class Effect : std::uint8_t {
     anisotropy,
     iridescence,
     layered_coat,
-    orthographic,
     primitives,
     nested_media,
 #define CLARAY_ROW(name, NAME, text, transmits, lobes, rough) name,
@@ -55,6 +55,9 @@ enum class Effect : std::uint8_t {
 #undef CLARAY_ROW
 #define CLARAY_ROW(name, NAME, text, far, cone) name##_lights,
         CLARAY_LIGHT_KINDS(CLARAY_ROW)
+#undef CLARAY_ROW
+#define CLARAY_ROW(name, NAME, text, flat, parallel, stretch) name,
+            CLARAY_OTHER_PROJECTIONS(CLARAY_ROW)
 #undef CLARAY_ROW
 };
 

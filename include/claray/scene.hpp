@@ -7,6 +7,7 @@
 
 #include "claray/mesh.hpp"
 #include "claray/primitives/primitive_set.hpp"
+#include "claray/shared/projections.h"
 #include "claray/shared/scene.h"
 #include "claray/texture.hpp"
 
@@ -210,17 +211,43 @@ struct Environment {
     float rotation = 0.f;  ///< radians about +y, counter-clockwise seen from above
 };
 
+/// How points of space become points of the image: a row of claray/shared/projections.h each.
+enum class Projection : std::uint32_t {
+#define CLARAY_ROW(name, NAME, text, flat, parallel, stretch) name = CLARAY_##NAME,
+    CLARAY_PROJECTIONS(CLARAY_ROW)
+#undef CLARAY_ROW
+};
+
+struct ProjectionTraits {
+    Projection kind;
+    const char* name;
+    bool flat;      ///< the image is a plane: it has lenses, and a matrix describes it
+    bool parallel;  ///< all rays are parallel
+};
+inline constexpr ProjectionTraits projections[] = {
+#define CLARAY_ROW(name, NAME, text, flat, parallel, stretch) {Projection::name, text, (flat) != 0, (parallel) != 0},
+    CLARAY_PROJECTIONS(CLARAY_ROW)
+#undef CLARAY_ROW
+};
+/// Null where there is no such projection.
+[[nodiscard]] constexpr const ProjectionTraits* traits_of(Projection projection) {
+    for (const ProjectionTraits& traits : projections)
+        if (traits.kind == projection) return &traits;
+    return nullptr;
+}
+
 struct Camera {
     glm::vec3 position{0.f, 0.f, 5.f};
     glm::vec3 target{0.f};
     glm::vec3 up{0.f, 1.f, 0.f};
-    float vertical_fov = 40.f;    ///< degrees
+    float vertical_fov = 40.f;    ///< degrees; of a perspective camera
     float aperture_radius = 0.f;  ///< radius of a thin lens, in units of the scene; 0: a pinhole
     float focus_distance = 0.f;   ///< distance of the sharp plane along the view; 0: that of the target
     std::optional<glm::vec3> position_end = {}, target_end = {};  ///< at shutter close, if the camera moves
-    /// Height of the image in units of the scene. If > 0, all rays are parallel and start in the plane through the
-    /// position, and `vertical_fov` is ignored. 0: perspective.
-    float orthographic_height = 0.f;
+    Projection projection = Projection::perspective;
+    /// Height of the image in units of the scene, if all rays are parallel; they start in the plane through the
+    /// position.
+    float orthographic_height = 2.f;
 };
 
 /// A mesh placed in the scene.
@@ -268,7 +295,7 @@ struct Scene {
 
 /// Returns the camera in the form that kernels read. `aspect` = width / height. Throws ErrorKind::usage if at some time
 /// the position equals the target or `up` is parallel to the view, if the angle is outside (0, 180), if the
-/// orthographic height is negative or not finite, or if the lens is invalid.
+/// orthographic height is not positive and finite, or if the lens is invalid.
 [[nodiscard]] CameraData camera_data(const Camera& camera, float aspect);
 /// Returns whether the camera moves while the shutter is open.
 [[nodiscard]] bool moves(const Camera& camera);

@@ -1,6 +1,7 @@
 // The G-buffer: what deferred shading needs to know of the surface at a pixel, packed (claray/shared/gbuffer.h).
 #include "claray/shared/gbuffer.h"
 #include "claray/shared/path.h"
+#include "claray/shared/projections.h"
 #include "claray/shared/types.h"
 #include "shade/seen_surface.clh"
 
@@ -13,10 +14,10 @@ static inline uint srgb_byte(float linear) {
 /// Reversed depth: floats are densest at 0, where a perspective view's far distances crowd.
 static inline float reversed_depth(const CameraData* camera, Ray ray, float t, float near, float far) {
     const float along = t * (ray.dx * camera->forward_x + ray.dy * camera->forward_y + ray.dz * camera->forward_z);
-    return camera->orthographic ? 1.0f - along / far : near / along;  // mutant: reversed-depth
+    return has_parallel_rays(camera->projection) ? 1.0f - along / far : near / along;  // mutant: reversed-depth
 }
 
-/// For the first `step.capacity` rays; `far` is the distance at which the depth of an orthographic view is 0.
+/// For the first `step.capacity` rays; `far` is the distance at which the depth of parallel rays is 0.
 kernel void write_gbuffer(Step step, SCENE_PARAMETERS, global const Ray* rays, global const SceneHit* hits, float near, float far,
                           uint spherical, global GBufferPixel* pixels) {
     const FrameData* frame = &step.frame;

@@ -3,17 +3,15 @@
 #include "denoise/light.clh"
 #include "shade/camera.clh"
 
-/// Where the camera sees a point: pixels, x to the right and y down. Returns false behind the camera. `distance`: as nearness.
+/// Where the camera sees a point: pixels, x to the right and y down. Returns false where it sees no point. `distance`: as nearness.
 static inline bool seen_at(FilterStep step, const CameraData* c, float3 point, float2* pixel, float* distance) {
     const float3 right = (float3)(c->right_x, c->right_y, c->right_z), up = (float3)(c->up_x, c->up_y, c->up_z);
     const float3 to = point - (float3)(c->x, c->y, c->z);
     const float ahead = dot(to, (float3)(c->forward_x, c->forward_y, c->forward_z));
-    if (!(ahead > 0.0f)) return false;
-    const float scale = c->orthographic ? 1.0f : 1.0f / ahead;
-    const float x = scale * dot(to, right) / dot(right, right), y = scale * dot(to, up) / dot(up, up);
-    *pixel = (float2)(0.5f * (x + 1.0f) * (float)step.width - 0.5f, 0.5f * (1.0f - y) * (float)step.height - 0.5f);
-    *distance = c->orthographic ? ahead : length(to);
-    return true;
+    const ProjectionPlace at = place_in_image(c->projection, dot(to, right) / dot(right, right), dot(to, up) / dot(up, up), ahead);
+    *pixel = (float2)(0.5f * (at.x + 1.0f) * (float)step.width - 0.5f, 0.5f * (1.0f - at.y) * (float)step.height - 0.5f);
+    *distance = has_parallel_rays(c->projection) ? ahead : length(to);
+    return at.seen != 0u;
 }
 
 /// The pixel's surface point.

@@ -189,7 +189,12 @@ void bind_camera(nb::module_& module) {
         .def_rw("vertical_fov", &Camera::vertical_fov)
         .def_rw("aperture_radius", &Camera::aperture_radius)
         .def_rw("focus_distance", &Camera::focus_distance)
-        .def_rw("orthographic_height", &Camera::orthographic_height);
+        .def_prop_rw(
+            "projection", [](const Camera& c) { return traits_of(c.projection)->name; },
+            [](Camera& c, const std::string& name) { c.projection = kind_of<Projection>("Camera", name, projections); })
+        .def_prop_rw(
+            "orthographic_height", [](const Camera& c) { return c.orthographic_height; },
+            [](Camera& c, float height) { c.projection = Projection::orthographic, c.orthographic_height = height; });
 }
 
 void bind_load_options(nb::module_& module) {

@@ -91,7 +91,7 @@ TEST(DepthStudy, OfHillsNeedsReversedFloats) {
 
 TEST(DepthStudy, HasNothingToCompareInOrthographicOrEmptyViews) {
     Scene scene = walls_at({10.f});
-    scene.camera->orthographic_height = 3.f;
+    scene.camera->projection = Projection::orthographic, scene.camera->orthographic_height = 3.f;
     EXPECT_TRUE(study_depth(device(), scene, small_depths).points.empty());
     scene.camera = Camera{{0, 0, 0}, {0, 0, 1}, {0, 1, 0}, 50.f};
     EXPECT_TRUE(study_depth(device(), scene, small_depths).points.empty());

@@ -114,7 +114,7 @@ const Field fields[] = {
     FIELD(CameraData, aperture),
     FIELD(CameraData, view_z),
     FIELD(CameraData, half_height),
-    FIELD(CameraData, orthographic),
+    FIELD(CameraData, projection),
     FIELD(SkyData, horizon_r),
     FIELD(SkyData, zenith_b),
     FIELD(PathState, pdf),

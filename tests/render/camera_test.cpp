@@ -146,7 +146,7 @@ TEST(Orthographic, ShowsSizesAtAnyDistance) {
         scene.materials = {emitter(3.f)};
         scene.meshes = {rectangle(-1.f, -0.5f, 0.5f, 1.f, z)};
         scene.camera = small_camera();
-        scene.camera->orthographic_height = 4.f;
+        scene.camera->projection = Projection::orthographic, scene.camera->orthographic_height = 4.f;
         const RenderConfig config{.width = 24, .height = 16, .spp = 4, .max_depth = 1};
         const std::vector<glm::vec3> image = render_image(scene, config);
         const Aovs aovs = Renderer(device(), scene, config).aovs();
@@ -172,7 +172,7 @@ TEST(Orthographic, CircleOfConfusionHasItsRadiusAndEnergy) {
         scene.materials = {emitter(float(radiance))};
         scene.meshes = {disc(float(source), float(-place.z))};
         scene.camera = small_camera();
-        scene.camera->orthographic_height = 1.f;
+        scene.camera->projection = Projection::orthographic, scene.camera->orthographic_height = 1.f;
         scene.camera->aperture_radius = aperture;
         scene.camera->focus_distance = float(place.focus);
         const unsigned side = 64;
@@ -244,7 +244,7 @@ TEST(Orthographic, MovesLikeAnyOther) {
     scene.materials = {emitter(1.f)};
     scene.meshes = {rectangle(0.f, -5.f, 5.f, 5.f, -2.f)};
     scene.camera = small_camera();
-    scene.camera->orthographic_height = 0.4f;
+    scene.camera->projection = Projection::orthographic, scene.camera->orthographic_height = 0.4f;
     scene.camera->position_end = glm::vec3(0.15f, 0, 0);  // the edge runs to the left by 0.15
     scene.camera->target_end = glm::vec3(0.15f, 0, -1);
     const unsigned width = 40, height = 20, spp = 64;

@@ -128,9 +128,13 @@ TEST(Effects, HaveBuiltInScenes) {
     }
     const Scene all = *builtin_scene("effects");
     validate(all);
-    // An environment is in the sky's place, a perspective camera in that of the orthographic one, and no quick kernels
-    // know primitives.
-    const EffectSet replaced = {Effect::sky, Effect::orthographic, Effect::primitives};
+    // An environment is in the sky's place, the camera is perspective, and no quick kernels know primitives.
+    const EffectSet replaced = {
+#define CLARAY_ROW(name, NAME, text, flat, parallel, stretch) Effect::name,
+        CLARAY_OTHER_PROJECTIONS(CLARAY_ROW)
+#undef CLARAY_ROW
+            Effect::sky,
+        Effect::primitives};
     EXPECT_EQ(effects_of(all), known_effects() - replaced);
     expect_picture(all);
     EXPECT_TRUE(throws_error(ErrorKind::usage, "mirror", [] { (void)builtin_scene("effect:stars"); }));

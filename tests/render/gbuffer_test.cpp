@@ -64,10 +64,10 @@ Scene floor_and_ball() {
 const RenderConfig small_image = {.width = 33, .height = 25, .spp = 1};
 
 TEST(GBuffer, GivesPositionsAndNormals) {
-    for (const float height : {0.f, 5.f})  // perspective, orthographic
+    for (const Projection projection : {Projection::perspective, Projection::orthographic})
         for (const NormalPacking packing : {NormalPacking::octahedral, NormalPacking::spherical}) {
             Scene scene = floor_and_ball();
-            scene.camera->orthographic_height = height;
+            scene.camera->projection = projection, scene.camera->orthographic_height = 5.f;
             const Renderer renderer(device(), scene, small_image);
             const GBuffer buffer = renderer.gbuffer(packing);
             const Aovs aovs = renderer.aovs();
@@ -82,7 +82,7 @@ TEST(GBuffer, GivesPositionsAndNormals) {
                 }
                 const glm::dvec3 position(position_of(buffer, i)), normal(normal_of(buffer, i));
                 EXPECT_LT(glm::length(normal - glm::dvec3(aovs.normal[i])), 1e-4);
-                if (height == 0.f) {
+                if (projection == Projection::perspective) {
                     EXPECT_NEAR(glm::length(position - glm::dvec3(scene.camera->position)), aovs.depth[i], 2e-5);
                 }
                 const bool is_floor = aovs.primitive[i] < 2;

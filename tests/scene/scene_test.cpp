@@ -76,10 +76,10 @@ TEST(Camera, DataSpanTheImagePlane) {
 
 TEST(Camera, OrthographicDataSpanTheImageItself) {
     Camera camera{{1, 2, 3}, {1, 2, -7}, {0, 5, 0}, 90.f};
-    EXPECT_EQ(camera_data(camera, 2.f).orthographic, 0u);
-    camera.orthographic_height = 6.f;
+    EXPECT_EQ(camera_data(camera, 2.f).projection, CLARAY_PERSPECTIVE);
+    camera.projection = Projection::orthographic, camera.orthographic_height = 6.f;
     const CameraData data = camera_data(camera, 2.f);
-    EXPECT_EQ(data.orthographic, 1u);
+    EXPECT_EQ(data.projection, CLARAY_ORTHOGRAPHIC);
     EXPECT_EQ(right(data), glm::vec3(6, 0, 0));
     EXPECT_EQ(up(data), glm::vec3(0, 3, 0));
     EXPECT_EQ(data.half_width, 6.f);
@@ -101,7 +101,7 @@ TEST(Camera, LensAndMotionAreChecked) {
     EXPECT_TRUE(refused([](Camera& c) { c.aperture_radius = INFINITY; }, "aperture"));
     EXPECT_TRUE(refused([](Camera& c) { c.focus_distance = -1.f; }, "focus distance"));
     EXPECT_TRUE(refused([](Camera& c) { c.focus_distance = NAN; }, "focus distance"));
-    for (const float height : {-1.f, NAN, INFINITY})
+    for (const float height : {-1.f, 0.f, NAN, INFINITY})
         EXPECT_TRUE(refused([&](Camera& c) { c.orthographic_height = height; }, "orthographic height"));
     EXPECT_TRUE(refused([](Camera& c) { c.position_end = glm::vec3(NAN, 0, 0); }, "not finite"));
     EXPECT_TRUE(refused([](Camera& c) { c.target_end = glm::vec3(0, INFINITY, 0); }, "not finite"));

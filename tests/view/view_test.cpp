@@ -71,7 +71,7 @@ TEST(CameraControl, MovesKeepWhatTheySay) {
     EXPECT_NEAR(distance(zoom(camera, 2)), 0.5 * distance(camera), 1e-5);
     EXPECT_TRUE(throws_error(ErrorKind::user, "factor", [&] { (void)zoom(camera, 0); }));
     Camera parallel = camera;
-    parallel.orthographic_height = 1e-30f;
+    parallel.projection = Projection::orthographic, parallel.orthographic_height = 1e-30f;
     EXPECT_TRUE(throws_error(ErrorKind::user, "height", [&] { (void)zoom(parallel, 1e30f); }));
 }
 
@@ -85,8 +85,9 @@ TEST(CameraControl, WaysAlongTheImageAreInItsHeights) {
 
 TEST(CameraControl, PointsLieOnTheFloor) {
     Scene scene = two_spheres();
-    for (const float parallel : {0.f, 6.f}) {
-        scene.camera->orthographic_height = parallel;
+    scene.camera->orthographic_height = 6.f;
+    for (const Projection projection : {Projection::perspective, Projection::orthographic}) {
+        scene.camera->projection = projection;
         const Aovs aovs = Renderer(device(), scene, small_view.render).aovs();
         const CameraData data = camera_data(*scene.camera, 1.5f);
         unsigned floor = 0;

@@ -204,8 +204,8 @@ Study study_depth(const Device& device, const Scene& scene, const StudyOptions& 
     study.error = "pixels in which another surface ties with the nearest, %", study.cost = "bits per pixel";
     const unsigned width = options.config.width, height = options.config.height;
     const Camera camera = camera_of(scene, float(width) / float(height));
-    if (camera.orthographic_height > 0) {
-        study.findings.emplace_back("an orthographic view has depths in equal steps: there is nothing to compare");
+    if (camera.projection != Projection::perspective) {
+        study.findings.emplace_back("only a perspective view has depths in unequal steps: there is nothing to compare");
         return study;
     }
     const std::vector<Mesh> meshes = measure::world_meshes(scene);

@@ -26,8 +26,9 @@ Camera choose_camera(Camera camera, const ViewOptions& options) {
     if (options.focus_distance && camera.aperture_radius == 0.f)
         throw Error(ErrorKind::usage, "--focus-distance has no effect without a lens", "add --aperture");
     if (options.up) camera.up = *options.up;
-    if (options.fov) camera.vertical_fov = *options.fov, camera.orthographic_height = 0.f;
-    if (options.ortho) camera.orthographic_height = *options.ortho;
+    if (options.projection) camera.projection = *options.projection;
+    if (options.fov) camera.vertical_fov = *options.fov, camera.projection = Projection::perspective;
+    if (options.ortho) camera.orthographic_height = *options.ortho, camera.projection = Projection::orthographic;
     return camera;
 }
 
@@ -52,6 +53,13 @@ void add_view_options(CLI::App& command, ViewOptions& o) {
     add_vector("--up", o.up, "Direction that is up in the image, X,Y,Z [scene's camera, else 0,1,0]");
     command.add_option("--fov", o.fov, "Vertical field of view in degrees [scene's camera, else 40]")
         ->check(finite_number());
+    std::vector<std::pair<std::string, Projection>> kinds;
+    for (const ProjectionTraits& traits : projections) kinds.emplace_back(traits.name, traits.kind);
+    std::string names;
+    for (const auto& [name, kind] : kinds) names += (names.empty() ? "" : ", ") + name;
+    command.add_option("--projection", o.projection, "How the camera shows space: " + names + " [perspective]")
+        ->transform(choice_of(kinds))
+        ->type_name("NAME");
     command.add_option("--ortho", o.ortho, "Use parallel rays; height of the image, in units of the scene")
         ->check(positive_number())
         ->type_name("HEIGHT");

@@ -12,6 +12,7 @@ namespace claray::cli {
 
 struct ViewOptions {
     std::optional<glm::vec3> camera, look_at, up;
+    std::optional<Projection> projection;
     std::optional<float> fov;                          // degrees, vertical
     std::optional<float> ortho;                        // height of the image, in units of the scene
     std::optional<float> aperture, focus_distance;     // of a thin lens

@@ -55,6 +55,7 @@ glm::vec3 axis_of(const PlacedNode& node, int axis, const GltfFile& file) {
 /// What the camera shows of what lies before it. The image's own aspect counts, not the file's.
 void set_projection(Camera& camera, const tinygltf::Camera& source, const std::string& name, const GltfFile& file) {
     if (source.type == "orthographic") {
+        camera.projection = Projection::orthographic;
         camera.orthographic_height = float(2 * std::abs(source.orthographic.ymag));
         if (!(camera.orthographic_height > 0.f) || !std::isfinite(camera.orthographic_height))
             file.fail(name + ": its ymag is " + to_string(source.orthographic.ymag), "it must be above 0");

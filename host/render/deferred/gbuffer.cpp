@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "claray/shared/projections.h"
 #include "host/compute/read_back.hpp"
 #include "host/render/renderer_state.hpp"
 
@@ -20,7 +21,7 @@ QueryOptions options_of_gbuffer(const SceneBuffers& scene) {
 glm::dmat4 world_from_image(const CameraData& c, double near, double far) {
     const glm::dvec4 right(c.right_x, c.right_y, c.right_z, 0), up(c.up_x, c.up_y, c.up_z, 0);
     const glm::dvec4 forward(c.forward_x, c.forward_y, c.forward_z, 0), place(c.x, c.y, c.z, 1);
-    if (c.orthographic) return {right, up, -far * forward, place + far * forward};
+    if (has_parallel_rays(c.projection)) return {right, up, -far * forward, place + far * forward};
     return {near * right, near * up, place, near * forward};
 }
 

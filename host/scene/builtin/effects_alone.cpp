@@ -271,8 +271,11 @@ constexpr std::array alone = {
               s.camera->position_end = s.camera->position + glm::vec3(0.25f, 0.f, 0.f);
               s.camera->target_end = s.camera->target + glm::vec3(0.25f, 0.f, 0.f);
           }},
-    Alone{"orthographic", [](Scene& s) { s.camera->orthographic_height = 3.2f; }},
-    Alone{"instances", make_instances},
+#define CLARAY_ROW(name, NAME, text, flat, parallel, stretch) \
+    Alone{text, [](Scene& s) { s.camera->projection = Projection::name, s.camera->orthographic_height = 3.2f; }},
+    CLARAY_OTHER_PROJECTIONS(CLARAY_ROW)
+#undef CLARAY_ROW
+        Alone{"instances", make_instances},
     Alone{"instance-motion", make_instance_move},
     Alone{"primitives", make_primitives},
 };

@@ -190,8 +190,8 @@ CLARAY_LAYOUT(LightsData, 76)
 
 /// A pinhole camera or a thin lens, at shutter open. `right` and `up` span half the image plane at distance 1 along
 /// `forward`. For an orthographic camera they span half the image plane through the position, where its rays start. The
-/// members after `aperture` are read under DEPTH_OF_FIELD, those after `move` under CAMERA_MOTION, the last under
-/// ORTHOGRAPHIC.
+/// members after `aperture` are read under DEPTH_OF_FIELD, those after `move` under CAMERA_MOTION. The last is read
+/// where PROJECTIONS is not 0.
 typedef struct CameraData {
     float x, y, z;
     float forward_x, forward_y, forward_z;
@@ -204,7 +204,7 @@ typedef struct CameraData {
     float view_move_x, view_move_y, view_move_z;  // change of `view` until shutter close
     float above_x, above_y, above_z;              // unit vector: up in the image
     float half_width, half_height;                // lengths of `right` and `up`
-    uint orthographic;                            // 1: all rays are parallel to `forward`
+    uint projection;                              // CLARAY_PERSPECTIVE, ... (claray/shared/projections.h)
 } CameraData;
 CLARAY_LAYOUT(CameraData, 116)
 

@@ -48,6 +48,7 @@ TEST_F(GltfChoice, Cameras) {
     EXPECT_EQ(z("wide"), 0.f);
     const Scene scene = load(camera_named("plan"));
     EXPECT_EQ(scene.camera->position.z, 7.f);
+    EXPECT_EQ(scene.camera->projection, Projection::orthographic);
     EXPECT_EQ(scene.camera->orthographic_height, 5.f);
     refuse({"has no camera 'roof'; choose one of 'door', 'plan', 'window'"}, camera_named("roof"), ErrorKind::usage);
     builder.root["cameras"][1]["orthographic"]["ymag"] = 0;

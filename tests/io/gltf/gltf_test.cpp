@@ -365,7 +365,7 @@ TEST_F(Gltf, Camera) {
     EXPECT_NEAR(forward.z, 0, 1e-6);
     EXPECT_NEAR(scene.camera->up.y, 1, 1e-6);
     EXPECT_NEAR(scene.camera->vertical_fov, 28.6479, 1e-4);
-    EXPECT_EQ(scene.camera->orthographic_height, 0.f);
+    EXPECT_EQ(scene.camera->projection, Projection::perspective);
     EXPECT_EQ(warned("first of the cameras 0, 1, 2 is used"), 1u);
     builder.root["nodes"][1]["camera"] = 2;
     refuse({"node 1 refers to camera 2 of 2"});

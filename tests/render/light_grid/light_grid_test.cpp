@@ -151,7 +151,10 @@ TEST(LightGrid, TakesOverFromPathsLittleByLittle) {
     std::vector<std::vector<glm::vec3>> images;
     for (unsigned i = 0; i < frames; ++i) {
         const float z = -6 + (reach + step * (3.5f - float(i))) * fine;
-        scene.camera = Camera{.position = {0, 0, z}, .target = {0, 0, -6}, .orthographic_height = 1.6f};
+        scene.camera = Camera{.position = {0, 0, z},
+                              .target = {0, 0, -6},
+                              .projection = Projection::orthographic,
+                              .orthographic_height = 1.6f};
         if (!renderer) renderer.emplace(device(), scene, config);
         renderer->update(scene, {.camera = true});
         (void)renderer->render();

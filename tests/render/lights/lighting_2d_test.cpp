@@ -58,7 +58,7 @@ Scene sprites(unsigned count, unsigned lights) {
         scene.lights.back().range = 1.5f, scene.lights.back().linear_range = true;
         scene.lights.back().attenuation = {1, 0, 0};
     }
-    scene.camera = Camera{.position = {0, 0, 5}, .orthographic_height = 4.f};
+    scene.camera = Camera{.position = {0, 0, 5}, .projection = Projection::orthographic, .orthographic_height = 4.f};
     return scene;
 }
 
@@ -164,7 +164,7 @@ TEST(Lighting2d, IsThePathTracersLightOnFlatTriangles) {
         mesh.materials.insert(mesh.materials.end(), 2, i);
     }
     scene.lights = {point_light({0.3f, 0.2f, 2.f}, glm::vec3(5.f, 4.f, 3.f))};
-    scene.camera = Camera{.position = {0, 0, 5}, .orthographic_height = 4.f};
+    scene.camera = Camera{.position = {0, 0, 5}, .projection = Projection::orthographic, .orthographic_height = 4.f};
     RenderConfig traced = sprite_frame;
     traced.approximate = {.no_shadows = true};
     const std::vector<glm::vec3> image = render_by_own_kernels(scene, sprite_frame),
@@ -202,7 +202,10 @@ TEST(Lighting2d, HasShadowsByThePathTracer) {
     scene.lights = {point_light({-1.5f, 0, 1}, glm::vec3(float(pi)))};
     scene.lights[0].range = 5, scene.lights[0].linear_range = true, scene.lights[0].attenuation = {1, 0, 0};
     const auto seen = [&](float x, bool shadows) {
-        scene.camera = Camera{.position = {x, 0, 5}, .target = {x, 0, 0}, .orthographic_height = 1e-3f};
+        scene.camera = Camera{.position = {x, 0, 5},
+                              .target = {x, 0, 0},
+                              .projection = Projection::orthographic,
+                              .orthographic_height = 1e-3f};
         RenderConfig config = {.width = 2, .height = 2, .spp = 1, .max_depth = 1};
         config.approximate.tile_sum = !shadows;
         return mean(render_by_own_kernels(scene, config)).x;

@@ -42,7 +42,7 @@ Scene all_kinds() {
         set_of(Kind::cylinders, {{0.6f, -0.6f, 0.f, 0.3f}, {1.f, -0.3f, 0.8f, 1.f}}, 2),
     };
     Camera camera{{0.f, 0.f, 10.f}, {0.f, 0.f, 0.f}, {0.f, 1.f, 0.f}};
-    camera.orthographic_height = 3.f;
+    camera.projection = Projection::orthographic, camera.orthographic_height = 3.f;
     scene.camera = camera;
     scene.lights = {point_light({2.f, 3.f, 6.f}, {40.f, 40.f, 40.f})};
     scene.sky = {glm::vec3(0.3f), glm::vec3(0.5f)};

@@ -266,7 +266,7 @@ TEST(Footprint, OfParallelRaysIsThatOfAPixel) {
     Scene scene = striped_square();
     for (const float distance : {0.5f, 40.f}) {
         scene.camera = Camera{{0, distance, 0}, {0, 0, 0}, {0, 0, -1}};
-        scene.camera->orthographic_height = 2.f;
+        scene.camera->projection = Projection::orthographic, scene.camera->orthographic_height = 2.f;
         const auto image = render_image(scene, {.width = 32, .height = 32, .spp = 64, .max_depth = 1});
         for (unsigned i = 32 * 15; i < 32 * 17; ++i)
             ASSERT_NEAR(image[i].x, i % 2 ? 0.75f : 0.25f, 0.03f) << i << " from " << distance;

@@ -1,0 +1,109 @@
+// The list of the cameras' projections, and their formulas for the host and for kernels (kernels/shade/camera.clh,
+// docs/architecture.md). The kinds, their names, effects, options and scenes are made from it.
+#ifndef CLARAY_SHARED_PROJECTIONS_H
+#define CLARAY_SHARED_PROJECTIONS_H
+
+#include "claray/shared/portable.h"
+
+// Values of CameraData::projection, and bit numbers in the kernels' PROJECTIONS.
+#define CLARAY_PERSPECTIVE 0u
+#define CLARAY_ORTHOGRAPHIC 1u
+
+// A row is X(name, NAME, "name for users", flat, parallel, stretch):
+//   name      Projection::name, Effect::name, and below aim_name and place_name
+//   NAME      the number is CLARAY_NAME
+//   flat      1: the image is a plane: it has lenses, and a matrix describes it
+//   parallel  1: all rays are parallel
+//   stretch   the angle that a step of `up` spans at the image's centre, over the length of `up`
+
+/// Every camera that is not perspective is an effect.
+#define CLARAY_OTHER_PROJECTIONS(X) X(orthographic, ORTHOGRAPHIC, "orthographic", 1, 1, 1.f)
+
+#define CLARAY_PROJECTIONS(X)                             \
+    X(perspective, PERSPECTIVE, "perspective", 1, 0, 1.f) \
+    CLARAY_OTHER_PROJECTIONS(X)
+
+CLARAY_SHARED_BEGIN
+
+#ifdef __OPENCL_C_VERSION__
+typedef float ProjectionReal;
+#else
+using ProjectionReal = double;
+#endif
+
+/// A ray in the camera's axes: multiples of CameraData's `right`, `up` and `forward`. It starts in the plane of the
+/// position.
+typedef struct ProjectionRay {
+    ProjectionReal from_right, from_up, right, up, forward;
+} ProjectionRay;
+
+/// A point of the image, -1 to 1 on both axes, y upwards. `seen`: 0 if the camera does not see the point of space.
+typedef struct ProjectionPlace {
+    ProjectionReal x, y;
+    uint seen;
+} ProjectionPlace;
+
+// aim_NAME: the ray through a point of the image. place_NAME: where a point of space is seen, from its coordinates
+// along the camera's axes.
+
+CLARAY_SHARED_FUNCTION ProjectionRay aim_perspective(ProjectionReal x, ProjectionReal y) {
+    const ProjectionRay ray = {0, 0, x, y, 1};
+    return ray;
+}
+CLARAY_SHARED_FUNCTION ProjectionPlace place_perspective(ProjectionReal right, ProjectionReal up,
+                                                         ProjectionReal forward) {
+    const ProjectionPlace place = {right / forward, up / forward, forward > 0};
+    return place;
+}
+
+CLARAY_SHARED_FUNCTION ProjectionRay aim_orthographic(ProjectionReal x, ProjectionReal y) {
+    const ProjectionRay ray = {x, y, 0, 0, 1};
+    return ray;
+}
+CLARAY_SHARED_FUNCTION ProjectionPlace place_orthographic(ProjectionReal right, ProjectionReal up,
+                                                          ProjectionReal forward) {
+    const ProjectionPlace place = {right, up, forward > 0};
+    return place;
+}
+
+#ifndef PROJECTIONS
+#define PROJECTIONS 0xffffffffu  // kernels: the projections that a scene calls for, beside perspective
+#endif
+#define CLARAY_USES_PROJECTION(NAME) (CLARAY_##NAME == 0u || (PROJECTIONS >> CLARAY_##NAME & 1u) != 0u)
+
+CLARAY_SHARED_FUNCTION ProjectionRay aim_ray(uint projection, ProjectionReal x, ProjectionReal y) {
+#define CLARAY_AIM(name, NAME, text, flat, parallel, stretch) \
+    if (CLARAY_USES_PROJECTION(NAME) && projection == CLARAY_##NAME) return aim_##name(x, y);
+    CLARAY_OTHER_PROJECTIONS(CLARAY_AIM)
+#undef CLARAY_AIM
+    return aim_perspective(x, y);
+}
+
+CLARAY_SHARED_FUNCTION ProjectionPlace place_in_image(uint projection, ProjectionReal right, ProjectionReal up,
+                                                      ProjectionReal forward) {
+#define CLARAY_PLACE(name, NAME, text, flat, parallel, stretch) \
+    if (CLARAY_USES_PROJECTION(NAME) && projection == CLARAY_##NAME) return place_##name(right, up, forward);
+    CLARAY_OTHER_PROJECTIONS(CLARAY_PLACE)
+#undef CLARAY_PLACE
+    return place_perspective(right, up, forward);
+}
+
+CLARAY_SHARED_FUNCTION bool has_parallel_rays(uint projection) {
+#define CLARAY_PARALLEL(name, NAME, text, flat, parallel, stretch) \
+    if (CLARAY_USES_PROJECTION(NAME) && projection == CLARAY_##NAME) return parallel != 0;
+    CLARAY_OTHER_PROJECTIONS(CLARAY_PARALLEL)
+#undef CLARAY_PARALLEL
+    return false;
+}
+
+CLARAY_SHARED_FUNCTION ProjectionReal stretch_of_projection(uint projection) {
+#define CLARAY_STRETCH(name, NAME, text, flat, parallel, stretch) \
+    if (CLARAY_USES_PROJECTION(NAME) && projection == CLARAY_##NAME) return stretch;
+    CLARAY_OTHER_PROJECTIONS(CLARAY_STRETCH)
+#undef CLARAY_STRETCH
+    return 1;
+}
+
+CLARAY_SHARED_END
+
+#endif
