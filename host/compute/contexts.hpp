@@ -53,7 +53,7 @@ private:
 };
 
 /// The number of threads that compile for a GPU, each in a context of its own. More do not speed up the compiler of
-/// NVIDIA's driver (docs/notebook.md).
+/// NVIDIA's driver (bench/notebook/program.md).
 [[nodiscard]] unsigned contexts_at_once();
 
 /// Calls piece(device, i) for every i below `count`, on up to `threads` threads with a device each. The calling thread

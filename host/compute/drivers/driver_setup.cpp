@@ -62,7 +62,7 @@ void bind_to_processors(const std::vector<pid_t>& threads) {
 #endif
 
 /// PoCL compiles a kernel again for each size of work-group and for grids of at least 2^16 items. No kernel of claray
-/// gains by it (docs/notebook.md, "Rendering on CPUs"), and a first render waits a third longer.
+/// gains by it (bench/notebook/rendering.md, "Rendering on CPUs"), and a first render waits a third longer.
 void compile_kernels_once() { ::setenv("POCL_WORK_GROUP_SPECIALIZATION", "0", 0); }
 
 bool pocl_can_write = true;
