@@ -137,7 +137,7 @@ PrimitivesQuery::PrimitivesQuery(const ScenePrimitives& primitives, QueryKind ki
                                  const std::string& name) {
     for (const PrimitivesOfKind& of : primitives.kinds()) {
         const Primitives::State& state = of.structure.state();
-        Defines defines = state.schedule.with(state.bvh.defines());
+        Defines defines = state.launch.with(state.bvh.defines());
         defines.emplace_back("INSTANCES", instances ? "1" : "0");
         const bool closest = kind == QueryKind::closest;
         const Kernel kernel = state.compile(closest ? "nearer_primitive" : "occluding_primitive", defines);
@@ -145,7 +145,7 @@ PrimitivesQuery::PrimitivesQuery(const ScenePrimitives& primitives, QueryKind ki
     }
 }
 
-Range PrimitivesQuery::Pass::range(std::uint32_t rays) const { return of.structure.state().schedule.range(rays); }
+Range PrimitivesQuery::Pass::range(std::uint32_t rays) const { return of.structure.state().launch.range(rays); }
 
 void PrimitivesQuery::any(const Buffer<Ray>& rays, Buffer<std::uint8_t>& occluded, std::uint32_t capacity,
                           const Buffer<std::uint32_t>& count) {

@@ -42,7 +42,7 @@ void put(std::vector<PixelRun>& runs, std::uint32_t pixels, std::uint32_t sample
 
 /// Samples of each pixel at the position of a checkpoint.
 std::vector<PixelRun> runs_of(const Checkpoint& from, std::uint32_t pixels) {
-    const Schedule::Position& at = from.position.at;
+    const PassSchedule::Position& at = from.position.at;
     std::vector<PixelRun> runs;
     if (from.position.pending.empty()) {
         put(runs, at.pixel, at.done + at.pass);
@@ -111,7 +111,8 @@ void RenderGroup::State::wait_for_lead() {
 void RenderGroup::State::begin_dealing() {
     wait_for_lead();
     const Renderer::State& state = lead().renderer().state();
-    dealer.emplace(runs_of(start, state.pixels()), Schedule::longest_pass(state.pixels(), state.wavefront.capacity()),
+    dealer.emplace(runs_of(start, state.pixels()),
+                   PassSchedule::longest_pass(state.pixels(), state.wavefront.capacity()),
                    std::max(4096u, 16 * std::uint32_t(members.size())));
     for (Member& member : members)
         if (member.is_ready && !member.has_failed) join_dealing(member);
@@ -141,7 +142,7 @@ double RenderGroup::State::seconds_left() const {
 /// first.
 std::uint32_t RenderGroup::State::first_limit() const {
     if (!has_targets()) return config.spp;
-    const Schedule::Position& at = start.position.at;
+    const PassSchedule::Position& at = start.position.at;
     const bool within = at.pixel != 0 || at.sample != 0;
     return std::max(1u, at.done + (within ? at.pass : 0));
 }

@@ -183,11 +183,11 @@ std::uint64_t AdaptiveSchedule::samples() const {
 }
 
 AdaptiveSchedule::Position AdaptiveSchedule::position() const {
-    return {in_round() ? Schedule::Position{0, 0, entry_, sample_} : uniform_.position(), halves_, pending_.list()};
+    return {in_round() ? PassSchedule::Position{0, 0, entry_, sample_} : uniform_.position(), halves_, pending_.list()};
 }
 
 bool AdaptiveSchedule::go_to(const Position& to) {
-    const auto within = [](const Schedule::Position& at, std::uint64_t pixels) {
+    const auto within = [](const PassSchedule::Position& at, std::uint64_t pixels) {
         return at.pixel < pixels && ((at.pixel == 0 && at.sample == 0) || at.sample < at.pass);
     };
     pending_ = PendingBatches(to.pending);
