@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "host/accuracy/pixels.hpp"
 #include "host/base/in_parallel.hpp"
+#include "host/render/film/pixels.hpp"
 
 namespace claray {
 namespace {
