@@ -10,11 +10,11 @@ namespace {
 template <class Config, class Visit>
 void visit_config(Config& config, const Visit& visit) {
     auto& [width, height, spp, max_depth, sample_clamp, seed, seconds, noise, error, adaptive, guide, report_seconds,
-           sampler, bvh, parts, effects, approximate, light_grid, ambient, compiler, checkpoint, checkpoint_seconds,
-           resume] = config;
+           sampler, bvh, parts, effects, approximate, light_grid, compiler, checkpoint, checkpoint_seconds, resume] =
+        config;
     (void)compiler, (void)checkpoint, (void)checkpoint_seconds, (void)resume;
     visit(width, height, spp, max_depth, sample_clamp, seed, seconds, noise, error, adaptive, guide, report_seconds,
-          sampler, bvh, parts, effects, approximate, light_grid, ambient);
+          sampler, bvh, parts, effects, approximate, light_grid);
 }
 
 template <class... T>

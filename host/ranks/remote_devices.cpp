@@ -101,18 +101,18 @@ Ranks::Ranks(Session& session, const Hello& own, const Tell& tell)
 }
 
 RemoteDevices::RemoteDevices(Ranks& ranks, RenderGroup& group, const Scene& scene, const RenderConfig& config)
-    : ranks_(ranks), inbox_(group.state().inbox), picture_(ranks.next_picture()) {
+    : ranks_(ranks), inbox_(state_of(group).inbox), picture_(ranks.next_picture()) {
     Session& session = ranks.session();
     for (int rank = 1; rank < session.size(); ++rank) {
         const Hello& hello = ranks.hellos()[std::size_t(rank)];
         for (std::size_t device = 0; device < hello.devices.size(); ++device)
-            group.state().add([&](Inbox&, std::size_t member) {
+            state_of(group).add([&](Inbox&, std::size_t member) {
                 places_.push_back({rank, device, member});
                 return std::make_unique<RemoteDevice>(session, rank, picture_, std::uint32_t(device),
                                                       place_of(rank, hello) + ": " + hello.devices[device]);
             });
     }
-    group.state().most_seconds_of_order = 20 * Session::seconds_until_lost();
+    state_of(group).most_seconds_of_order = 20 * Session::seconds_until_lost();
     std::string picture = to_bytes(picture_, config, scene);  // may throw, before the session knows this object
     session.handle([this](const Message& message) { take(message); });
     while (const std::optional<Message> earlier = session.receive(std::chrono::milliseconds(0))) take(*earlier);

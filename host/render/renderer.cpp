@@ -27,7 +27,7 @@ ImageSizes Renderer::State::sizes(unsigned width, unsigned height) const {
 }
 
 void Renderer::State::look_through(const Camera& view) {
-    wavefront.set_camera(camera_data(view, aspect_of(config)));
+    wavefront.frame().camera = camera_data(view, aspect_of(config));
     camera = view;
 }
 
@@ -196,10 +196,10 @@ void Renderer::restart(std::uint32_t seed, unsigned spp, unsigned max_depth) {
     State& state = *state_;
     state.refuse_with_checkpoints("a render that writes checkpoints cannot be restarted");
     state.config.seed = seed;
-    state.wavefront.set_seed(seed);
+    state.wavefront.frame().seed = seed;
     const unsigned wanted = spp == 0 ? state.config.spp : std::min(spp, state.most_spp);
     if (wanted != state.config.spp) state.config.spp = wanted, state.path_kernel.reset();
-    if (max_depth != 0) state.wavefront.set_max_depth(std::min(max_depth, state.config.max_depth));
+    if (max_depth != 0) state.wavefront.frame().max_depth = std::min(max_depth, state.config.max_depth);
     if (max_depth != 0) state.light_cut_off.reset();
     state.discard_samples();
 }

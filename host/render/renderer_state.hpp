@@ -27,9 +27,9 @@ namespace claray {
 /// In its lifetime compiled programs are not stored on disk; slow ones are not kept in memory either.
 class QuickStart {
 public:
-    explicit QuickStart(const Device& device) : device_(device) { device_.state().store_programs = false; }
+    explicit QuickStart(const Device& device) : device_(device) { state_of(device_).store_programs = false; }
     ~QuickStart() {
-        device_.state().store_programs = true;
+        state_of(device_).store_programs = true;
         forget_slow_programs(device_);
     }
     QuickStart(const QuickStart&) = delete;

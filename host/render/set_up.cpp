@@ -32,8 +32,6 @@ FrameData frame_data(const Scene& scene, const Camera& camera, const SceneBuffer
                      const RenderConfig& config) {
     FrameData frame = frame_without_camera(scene, buffers, config);
     frame.camera = camera_data(camera, aspect_of(config));
-    const auto& [reach, radiance] = config.ambient;
-    frame.ambient = {radiance.r, radiance.g, radiance.b, reach};
     return frame;
 }
 

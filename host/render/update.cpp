@@ -171,7 +171,7 @@ void Renderer::State::move(const Scene& scene, const SceneChanges& changes) {
 
 void Renderer::State::update(const Scene& scene, const SceneChanges& changes) {
     if (changes.camera && scene.camera) look_through(*scene.camera);
-    if (changes.sky) wavefront.set_sky(sky_data(scene));
+    if (changes.sky) wavefront.frame().sky = sky_data(scene);
     if (changes.instances || changes.vertices) move(scene, changes);
     EffectSet effects = with_parts(buffers.effects, scene, changes);
     if (changes.materials) {

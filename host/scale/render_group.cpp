@@ -110,7 +110,7 @@ void RenderGroup::State::wait_for_lead() {
 /// The lead's room for paths limits the passes as on a single device.
 void RenderGroup::State::begin_dealing() {
     wait_for_lead();
-    const Renderer::State& state = lead().renderer().state();
+    const Renderer::State& state = state_of(lead().renderer());
     dealer.emplace(runs_of(start, state.pixels()),
                    PassSchedule::longest_pass(state.pixels(), state.wavefront.capacity()),
                    std::max(4096u, 16 * std::uint32_t(members.size())));
@@ -151,7 +151,7 @@ std::uint32_t RenderGroup::State::first_limit() const {
 bool RenderGroup::State::raise_limit() {
     const std::uint32_t done = dealer->limit();
     if (!has_targets()) return done < config.spp;
-    Renderer::State& state = lead().renderer().state();
+    Renderer::State& state = state_of(lead().renderer());
     state.looks = looks, state.begin = begin;
     state.schedule = state.new_schedule();
     (void)state.schedule.go_to({{done, 0, 0, 0}, {}});
@@ -197,7 +197,7 @@ bool RenderGroup::State::show(const Progress& progress) {
     if (!progress || !lead_has_begun || seconds_since(last_shown) < config.report_seconds) return true;
     last_shown = Clock::now();
     RenderProgress so_far = measured;
-    const Renderer::State& state = lead().renderer().state();
+    const Renderer::State& state = state_of(lead().renderer());
     so_far.spp = unsigned(dealer->samples() / state.pixels()), so_far.spp_target = config.spp;
     so_far.seconds = seconds_since(*begin);
     so_far.culled = state.culled;
@@ -356,7 +356,7 @@ bool RenderGroup::State::fill_film() {
             const std::uint32_t pixels = std::min(pixels_at_once, run.pixels - at);
             wait_for_orders(run.first + at, pixels);
             if (failures() != failed) return false;
-            lead().renderer().state().film.set_sums(sums.at(run.first + at, pixels), run.first + at);
+            state_of(lead().renderer()).film.set_sums(sums.at(run.first + at, pixels), run.first + at);
         }
     return true;
 }
@@ -380,7 +380,7 @@ AdaptiveSchedule::Position position_after(const std::vector<PixelRun>& runs, con
 
 /// The lead's renderer is left as if it had rendered all samples.
 RenderProgress RenderGroup::State::hand_over() {
-    Renderer::State& state = lead().renderer().state();
+    Renderer::State& state = state_of(lead().renderer());
     (void)state.schedule.go_to(position_after(dealer->rendered(), *dealer, looks.spp));
     state.looks = looks, state.begin = begin;
     RenderProgress progress = state.measure();

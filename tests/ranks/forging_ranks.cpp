@@ -161,7 +161,7 @@ void render_picture(Ranks& ranks) {
     RenderGroup group({device()}, scene, config, tell);
     {
         const RemoteDevices remote(ranks, group, scene, config);
-        RenderGroup::State& state = group.state();
+        RenderGroup::State& state = state_of(group);
         const auto starts = [](const auto& member) { return !member.is_ready && !member.has_failed; };
         while (std::any_of(state.members.begin(), state.members.end(), starts))
             state.take_report(std::chrono::milliseconds(20));

@@ -60,7 +60,7 @@ Buffer<std::uint32_t> votes_of(const Bvh& bvh, const Buffer<float>& points, std:
 
 /// An odd number for each point that is inside.
 Buffer<std::uint32_t> sides_of(const Bvh& bvh, const Buffer<float>& points, std::uint32_t count, bool vote) {
-    return vote && !bvh.is_closed() ? votes_of(bvh, points, count) : crossings_of(bvh, points, count);
+    return vote && !is_closed(bvh) ? votes_of(bvh, points, count) : crossings_of(bvh, points, count);
 }
 
 void check(std::uint32_t points, std::size_t answers) {
