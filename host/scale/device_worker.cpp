@@ -93,7 +93,7 @@ void DeviceWorker::set_up() {
     state.follow_light();
     device_.finish();
     const double handover = shared_ == nullptr ? 0 : measure_handover();
-    state.begin = state.first_begin = Clock::now();
+    state.time.begin = state.time.first_begin = Clock::now();
     const std::uint32_t first = state.first_paths();
     inbox_.post({number_, Report::Kind::ready, first,
                  state.parts_take_turns() ? first : most_batches * state.wavefront.capacity(), handover});

@@ -152,13 +152,13 @@ bool RenderGroup::State::raise_limit() {
     const std::uint32_t done = dealer->limit();
     if (!has_targets()) return done < config.spp;
     Renderer::State& state = state_of(lead().renderer());
-    state.looks = looks, state.begin = begin;
-    state.schedule = state.new_schedule();
-    (void)state.schedule.go_to({{done, 0, 0, 0}, {}});
+    state.error.looks = looks, state.time.begin = begin;
+    state.sampling.schedule = state.new_schedule();
+    (void)state.sampling.schedule.go_to({{done, 0, 0, 0}, {}});
     const bool met = state.target_met();
-    looks = state.looks, measured = state.measure();
+    looks = state.error.looks, measured = state.measure();
     if (met) return false;
-    dealer->set_limit(done + state.schedule.pass_samples());
+    dealer->set_limit(done + state.sampling.schedule.pass_samples());
     return true;
 }
 
@@ -200,7 +200,7 @@ bool RenderGroup::State::show(const Progress& progress) {
     const Renderer::State& state = state_of(lead().renderer());
     so_far.spp = unsigned(dealer->samples() / state.pixels()), so_far.spp_target = config.spp;
     so_far.seconds = seconds_since(*begin);
-    so_far.culled = state.culled;
+    so_far.culled = state.source.culled;
     return progress(so_far);
 }
 
@@ -381,8 +381,8 @@ AdaptiveSchedule::Position position_after(const std::vector<PixelRun>& runs, con
 /// The lead's renderer is left as if it had rendered all samples.
 RenderProgress RenderGroup::State::hand_over() {
     Renderer::State& state = state_of(lead().renderer());
-    (void)state.schedule.go_to(position_after(dealer->rendered(), *dealer, looks.spp));
-    state.looks = looks, state.begin = begin;
+    (void)state.sampling.schedule.go_to(position_after(dealer->rendered(), *dealer, looks.spp));
+    state.error.looks = looks, state.time.begin = begin;
     RenderProgress progress = state.measure();
     if (dealer->least() == 0) progress.spp = 0;  // no whole image
     return progress;
