@@ -43,7 +43,7 @@ public:
     /// Returns whether pixels may have different numbers of samples.
     [[nodiscard]] bool has_rounds() const { return !halves_.empty(); }
     /// Plans the next round from the variance of the pixels of each half tile, or what is to be minimized instead
-    /// (Film::worth_of_samples), in any unit. If no half can be doubled within the samples left, the schedule is
+    /// (Film::gain_per_sample), in any unit. If no half can be doubled within the samples left, the schedule is
     /// finished.
     void plan(const std::vector<float>& variances);
     /// Returns whether batches number the entries of a round, not the pixels of the image.
@@ -81,7 +81,7 @@ private:
     /// Samples per pixel of the half tile with the fewest, before the round.
     [[nodiscard]] std::uint32_t least_samples() const;
     [[nodiscard]] std::uint64_t pixels() const { return std::uint64_t(width_) * height_; }
-    [[nodiscard]] std::vector<double> told_by_others(const std::vector<float>& variances) const;
+    [[nodiscard]] std::vector<double> estimate_from_other_halves(const std::vector<float>& variances) const;
     /// By how much the best distribution of all samples would lower the squared error of nearly all half tiles.
     [[nodiscard]] double gain(const std::vector<float>& variances) const;
     void choose(const std::vector<double>& variances);
