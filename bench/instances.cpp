@@ -7,6 +7,7 @@
 
 #include "bench/support.hpp"
 #include "claray/instances.hpp"
+#include "host/bvh/bvh_state.hpp"
 
 using namespace claray;
 
@@ -57,7 +58,7 @@ void report(const Device& device, const std::string& name, std::size_t count, co
     const Bvh bottom = Bvh::build(device, scene.meshes, options.bottom);
     const std::vector<Instance> instances = field(bounds_of(scene), count);
     InstancedBvh bvh = InstancedBvh::build(std::span(&bottom, 1), instances, options.top);
-    const BvhHeader top = bvh.top().header();
+    const BvhHeader top = state_of(bvh.top()).read_header();
     const Bounds world{{top.lox, top.loy, top.loz}, {top.hix, top.hiy, top.hiz}};
 
     const std::size_t rays = std::size_t(options.width) * options.height;
@@ -75,12 +76,12 @@ void report(const Device& device, const std::string& name, std::size_t count, co
     std::printf(
         "%s: %u instances of %u triangles: top level %.3f ms (with pauses %.3f), %.1f Minstances/s; refit %.3f ms;\n"
         "    primary %.3g, random %.3g, random any hit %.3g Mrays/s; top %.1f MB, bottom %.1f MB; %s\n",
-        name.c_str(), s.instances, bottom.header().valid, rebuild, times[1].span(),
+        name.c_str(), s.instances, state_of(bottom).read_header().valid, rebuild, times[1].span(),
         double(s.instances) * 1e-3 / rebuild, refit, mrays(2), mrays(3), mrays(4), double(s.top_bytes) * 1e-6,
         double(s.bottom_bytes) * 1e-6, bvh.validate().ok() ? "valid" : "INVALID");
     for (const auto& [stage, ms] : times[1].commands) std::printf("    %-24s %8.3f ms\n", stage.c_str(), ms);
-    csv.row(name, bottom.header().valid, s.instances, options.top.morton_bits, rebuild, refit, mrays(2), mrays(3),
-            mrays(4), s.top_bytes, s.bottom_bytes);
+    csv.row(name, state_of(bottom).read_header().valid, s.instances, options.top.morton_bits, rebuild, refit, mrays(2),
+            mrays(3), mrays(4), s.top_bytes, s.bottom_bytes);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "bench/support.hpp"
 #include "claray/instances.hpp"
 #include "claray/shared/texture.h"
+#include "host/bvh/bvh_state.hpp"
 
 using namespace claray;
 
@@ -63,7 +64,7 @@ std::vector<Task> queries(const Device& device, const std::vector<Mesh>& meshes,
     const std::vector<Ray> random = measure::random_rays(bounds_of(meshes[0]), std::size_t(side) * side);
     const Buffer<Ray> rays(device, random), few(device, std::span(random).first(64));
     Bvh with_cutouts = Bvh::build(device, meshes, {.layout = layout});
-    with_cutouts.set_cutouts(no_cutouts(device, bvh.triangle_count()));
+    state_of(with_cutouts).set_cutouts(no_cutouts(device, bvh.triangle_count()));
     Instance instance = make_instance(glm::mat4(1.f), 0);
     InstancedBvh instances = InstancedBvh::build({&bvh, 1}, {&instance, 1});
     const auto all = [=](const auto& structure, const Buffer<Ray>& of, auto hits, const QueryOptions& options) {

@@ -10,6 +10,7 @@
 
 #include "bench/peers/embree.hpp"
 #include "bench/peers/rays.hpp"
+#include "host/bvh/host_tree.hpp"
 
 using namespace claray;
 using measure::Packets;
@@ -195,8 +196,7 @@ void compare_scene(const std::string& name, const Device& device, const Options&
     const measure::EmbreeScene peer(scene.meshes, options.quality, !options.fast_mode, options.threads);
     std::optional<Bvh> on_embree_tree;
     if (options.embree_tree)
-        on_embree_tree =
-            Bvh::build_by_host(device, scene.meshes, measure::embree_tree(scene.meshes, options.quality), options.bvh);
+        on_embree_tree = bvh_of(device, scene.meshes, measure::embree_tree(scene.meshes, options.quality), options.bvh);
     for (const std::string kind : {"primary", "shadow", "bounce", "random"}) {
         if (options.kinds.find(kind) == std::string::npos) continue;
         const std::vector<Ray>& rays = kind == "primary"  ? sets.primary

@@ -69,7 +69,7 @@ void report(const Device& device, const std::string& name, const Options& option
     std::size_t first_after = 0;
     while (learning.seconds() < options.seconds) {
         for (Run* run : {&first, &learning, &high}) run->trace(sets);
-        if (first_after != 0 || !learning.bvh.is_replaced()) continue;
+        if (first_after != 0 || !is_replaced(learning.bvh)) continue;
         first_after = learning.rounds.size(), replaced_at = learning.seconds();
     }
     const double gain = first_after != 0 ? speed_over(learning, first, first_after) : 1;

@@ -23,7 +23,7 @@ class Pilot {
 public:
     Pilot(const Device& device, const Scene& scene, RenderConfig config, unsigned most_samples)
         : renderer_(device, scene, with_samples(config, most_samples)) {
-        renderer_.state().settle();
+        state_of(renderer_).settle();
     }
 
     /// The shortest of three times: the first render of a size may load a kernel.

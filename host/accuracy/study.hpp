@@ -26,9 +26,6 @@ namespace claray {
 /// lower envelope of the lines.
 [[nodiscard]] std::string told_crossings(const std::vector<StudyPoint>& points);
 
-/// "0.53 s", "2.1 min", "3.4 h", "12 days"
-[[nodiscard]] std::string told_time(double seconds);
-
 /// Progress of a part of the work, from the fraction `from` to the fraction `to` of the whole.
 [[nodiscard]] AccuracyProgress scaled(const AccuracyProgress& progress, double from, double to);
 

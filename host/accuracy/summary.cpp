@@ -48,8 +48,8 @@ std::string samples_needed(const std::vector<StudyPoint>& points) {
     const double seconds = last->seconds.median, more = seconds + (needed - samples.back()) * each;
     return printed(
         "Samples: %g per pixel have an error of %.3g %% of the mean in %s; %g %% needs about %.0f samples%s.",
-        samples.back(), 100 * errors.back(), told_time(seconds).c_str(), 100 * wanted_error, needed,
-        each > 0 && more > 0 ? (" and " + told_time(more)).c_str() : "");
+        samples.back(), 100 * errors.back(), duration_text(seconds).c_str(), 100 * wanted_error, needed,
+        each > 0 && more > 0 ? (" and " + duration_text(more)).c_str() : "");
 }
 
 /// The least depth from which on the bias is small enough.

@@ -290,7 +290,7 @@ void fill_stretched_opaque(float* table, double ior) {
     fill_stretched_table(table, root_cosine, [=](double cosine) { return fresnel(cosine, ior); });
 }
 
-// ---- films
+// ---- thin films
 
 /// Adds a share of light at facets of this cosine to the shares at the tabulated cosines: Lagrange's cubic weights over
 /// the root of the cosine, of which the tabulated ones are multiples.

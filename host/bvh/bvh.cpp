@@ -80,15 +80,14 @@ Bvh Bvh::build(const Device& device, const TriangleBuffers& triangles, const Con
 Bvh build_over_primitives(const Device& device, const TriangleBuffers& corners, const Bvh::Config& config,
                           bool capsules) {
     require_memory(device, corners, config);
-    Bvh bvh;
-    bvh.state_ =
+    auto state =
         std::make_shared<Bvh::State>(device, corners, config, false, capsules ? LeafShape::capsule : LeafShape::box);
-    bvh.state_->build();
-    return bvh;
+    state->build();
+    return handle_of<Bvh>(std::move(state));
 }
 
 void require_triangles(const Bvh& bvh, const std::string& user) {
-    if (bvh.state().leaf_shape == LeafShape::triangle) return;
+    if (state_of(bvh).leaf_shape == LeafShape::triangle) return;
     throw Error(
         ErrorKind::usage,
         user + " needs a tree of triangles, not that of Primitives::bvh(), whose leaves are boxes of primitives",
@@ -96,29 +95,26 @@ void require_triangles(const Bvh& bvh, const std::string& user) {
 }
 
 Bvh without_owning(const Bvh& bvh) {
-    Bvh same;
-    same.state_ = std::shared_ptr<Bvh::State>(std::shared_ptr<Bvh::State>(), bvh.state_.get());
-    return same;
+    return handle_of<Bvh>(std::shared_ptr<Bvh::State>(std::shared_ptr<Bvh::State>(), &state_of(bvh)));
 }
 
-Bvh Bvh::build_by_host(const Device& device, std::span<const Mesh> meshes, const Config& with) {
-    Config config = with;
+Bvh build_by_host(const Device& device, std::span<const Mesh> meshes, const Bvh::Config& with) {
+    Bvh::Config config = with;
     config.layout = Layout::binary, config.builder = Builder::fast;
-    Bvh bvh = build_by_host(device, meshes, build_host_tree(meshes), config);
-    bvh.state_->small_kernels = true;
+    Bvh bvh = bvh_of(device, meshes, build_host_tree(meshes), config);
+    state_of(bvh).small_kernels = true;
     return bvh;
 }
 
-Bvh Bvh::build_by_host(const Device& device, std::span<const Mesh> meshes, const HostTree& tree, const Config& config) {
-    Bvh bvh;
-    bvh.state_ = std::make_shared<State>(device, upload(device, meshes), config, config.layout == Layout::binary);
-    bvh.state_->learns = false;
-    bvh.state_->nodes.write(tree.nodes);
-    bvh.state_->leaves.write(tree.leaves);
-    bvh.state_->header.write(std::span(&tree.header, 1));
-    bvh.state_->splits_of_host = tree.header.valid + tree.header.culled > bvh.state_->count;
-    if (bvh.layout() == Layout::wide) bvh.state_->collapse(false);
-    return bvh;
+Bvh bvh_of(const Device& device, std::span<const Mesh> meshes, const HostTree& tree, const Bvh::Config& config) {
+    auto state = std::make_shared<Bvh::State>(device, upload(device, meshes), config, config.layout == Layout::binary);
+    state->learns = false;
+    state->nodes.write(tree.nodes);
+    state->leaves.write(tree.leaves);
+    state->header.write(std::span(&tree.header, 1));
+    state->splits_of_host = tree.header.valid + tree.header.culled > state->count;
+    if (state->layout == Layout::wide) state->collapse(false);
+    return handle_of<Bvh>(std::move(state));
 }
 
 void Bvh::rebuild() {
@@ -129,22 +125,12 @@ void Bvh::refit() {
     state_->stop_learning();
     state_->refit();
 }
-void Bvh::prepare_refit() { state_->load_refit(); }
 
 const TriangleBuffers& Bvh::triangles() const { return state_->triangles; }
 std::size_t Bvh::triangle_count() const { return state_->count; }
-bool Bvh::splits() const {
-    return state_->splits_of_host || (traits_of(state_->config.builder).splits && state_->config.split_budget > 0);
-}
-bool Bvh::is_replaced() const { return state_->search() && state_->search()->has_found(); }
+bool is_replaced(const Bvh& bvh) { return state_of(bvh).search() && state_of(bvh).search()->has_found(); }
 Layout Bvh::layout() const { return state_->layout; }
 const Device& Bvh::device() const { return state_->device; }
-BvhHeader Bvh::header() const { return state_->read_header(); }
-const Buffer<BvhNode>& Bvh::nodes() const { return state_->nodes; }
-const Buffer<LeafTriangle>& Bvh::leaves() const { return state_->leaves; }
-const Buffer<WideNode>& Bvh::wide_nodes() const { return state_->wide_nodes; }
-const Buffer<TriangleBlock>& Bvh::wide_blocks() const { return state_->wide_blocks; }
-const Buffer<BvhHeader>& Bvh::header_buffer() const { return state_->header; }
 
 BvhStatistics Bvh::statistics() const {
     const BvhHeader header = state_->read_header();
@@ -159,20 +145,21 @@ BvhStatistics Bvh::statistics() const {
 }
 
 double Bvh::cost_growth() const { return state_->built_cost > 0 ? state_->sah_cost() / state_->built_cost : 1; }
-bool Bvh::should_rebuild(double most_growth) const { return cost_growth() > most_growth; }
+bool should_rebuild(const Bvh& bvh, double most_growth) { return bvh.cost_growth() > most_growth; }
 
-bool Bvh::is_closed() const {
-    require_triangles(*this, "a test for closed surfaces");
-    if (!state_->closed) {
+bool is_closed(const Bvh& bvh) {
+    require_triangles(bvh, "a test for closed surfaces");
+    const Bvh::State& state = state_of(bvh);
+    if (!state.closed) {
         constexpr std::uint32_t most_items = 1u << 16;
-        Buffer<std::uint32_t> sums(device(), 2);
+        Buffer<std::uint32_t> sums(bvh.device(), 2);
         sums.fill(0);
-        load_kernel(device(), "bvh/validate.cl", "sum_edges")
-            .run({std::min(state_->count, most_items), 0}, state_->triangles.positions,
-                 arg("indices", state_->triangles.indices), state_->count, arg("sums", sums));
-        state_->closed = sums.read() == std::vector<std::uint32_t>{0, 0};
+        load_kernel(bvh.device(), "bvh/validate.cl", "sum_edges")
+            .run({std::min(state.count, most_items), 0}, state.triangles.positions,
+                 arg("indices", state.triangles.indices), state.count, arg("sums", sums));
+        state_of(bvh).closed = sums.read() == std::vector<std::uint32_t>{0, 0};
     }
-    return *state_->closed;
+    return *state.closed;
 }
 
 BvhValidation Bvh::validate() const {
@@ -220,36 +207,38 @@ std::string Bvh::hash() const {
 
 void Bvh::bind(Kernel& kernel, unsigned& index) const {
     kernel.require(defines());
-    bind_solid(kernel, index);
-    bind_cutouts(kernel, index);
+    state_->bind_solid(kernel, index);
+    state_->bind_cutouts(kernel, index);
 }
 
-void Bvh::bind_solid(Kernel& kernel, unsigned& index) const {
-    kernel.set(index, arg("claray_header", state_->header));
-    if (layout() == Layout::wide) {
-        kernel.set(index, state_->wide_nodes);
-        state_->primitive_blocks.size() != 0 ? kernel.set(index, state_->primitive_blocks)
-                                             : kernel.set(index, state_->wide_blocks);
+bool Bvh::State::splits() const {
+    return splits_of_host || (traits_of(config.builder).splits && config.split_budget > 0);
+}
+
+void Bvh::State::bind_solid(Kernel& kernel, unsigned& index) const {
+    kernel.set(index, arg("claray_header", header));
+    if (layout == Layout::wide) {
+        kernel.set(index, wide_nodes);
+        primitive_blocks.size() != 0 ? kernel.set(index, primitive_blocks) : kernel.set(index, wide_blocks);
     } else {
-        kernel.set(index, arg("claray_nodes", state_->nodes));
-        kernel.set(index, arg("claray_triangles", state_->leaves));
+        kernel.set(index, arg("claray_nodes", nodes));
+        kernel.set(index, arg("claray_triangles", leaves));
     }
 }
 
-void Bvh::bind_cutouts(Kernel& kernel, unsigned& index) const {
-    if (has_cutouts()) kernel.set(index, arg("claray_cutouts", state_->cutouts));
+void Bvh::State::bind_cutouts(Kernel& kernel, unsigned& index) const {
+    if (has_cutouts()) kernel.set(index, arg("claray_cutouts", cutouts));
 }
 
-void Bvh::set_cutouts(const Buffer<std::uint32_t>& store) {
-    state_->stop_learning();
-    state_->cutouts = store;
+void Bvh::State::set_cutouts(const Buffer<std::uint32_t>& store) {
+    stop_learning();
+    cutouts = store;
 }
-bool Bvh::has_cutouts() const { return state_->cutouts.allocated(); }
 
 Defines Bvh::defines() const {
     Defines defines = {{"CLARAY_WIDE", layout() == Layout::wide ? "1" : "0"}};
     if (state_->small_kernels) defines.emplace_back("CLARAY_SMALL", "1");
-    if (has_cutouts()) defines.emplace_back("CLARAY_CUTOUTS", "1");
+    if (state_->has_cutouts()) defines.emplace_back("CLARAY_CUTOUTS", "1");
     if (state_->leaf_shape != LeafShape::triangle) defines.emplace_back("CLARAY_PRIMITIVES", "1");
     return defines;
 }

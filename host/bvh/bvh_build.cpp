@@ -44,15 +44,12 @@ Bvh::State::State(const Device& on, const TriangleBuffers& of, const Config& wit
     config.builder = claray::resolve(config.builder, on);
     learns = learns && config.builder != Builder::high;
     if (config.morton_bits != 30 && config.morton_bits != 63)
-        throw Error(ErrorKind::usage, "no Morton codes of " + std::to_string(config.morton_bits) + " bits",
-                    "choose 30 or 63");
+        throw Error(ErrorKind::usage, "morton_bits is " + std::to_string(config.morton_bits), "use 30 or 63");
     if (config.max_leaf_triangles < 1 || config.max_leaf_triangles > 4)
-        throw Error(ErrorKind::usage, "no leaves of " + std::to_string(config.max_leaf_triangles) + " triangles",
-                    "choose 1 to 4");
+        throw Error(ErrorKind::usage, "max_leaf_triangles is " + std::to_string(config.max_leaf_triangles),
+                    "use 1 to 4");
     if (!(config.split_budget >= 0))
-        throw Error(ErrorKind::usage,
-                    "no splitting of " + std::to_string(config.split_budget) + " references a triangle",
-                    "choose 0 or more");
+        throw Error(ErrorKind::usage, "split_budget is " + std::to_string(config.split_budget), "use 0 or more");
     if (of.indices.size() / 3 >= triangle_limit)
         throw Error(ErrorKind::user,
                     "too many triangles: " + std::to_string(of.indices.size() / 3) + ", the limit is 2^29 - 2");

@@ -10,6 +10,7 @@
 #include "host/bvh/layout.hpp"
 #include "host/bvh/sbvh.hpp"
 #include "host/bvh/tree_search.hpp"
+#include "host/compute/state_of.hpp"
 #include "host/sort/radix_sort.hpp"
 
 namespace claray {
@@ -44,6 +45,17 @@ struct Bvh::State {
     /// `by_split`: node i of the binary tree splits the leaves between i and i + 1, as the linear builder numbers them.
     void collapse(bool by_split);
     [[nodiscard]] BvhHeader read_header() const;
+    /// Whether a triangle may be in several leaves.
+    [[nodiscard]] bool splits() const;
+    /// Enables cut-outs: rays pass through the transparent parts of triangles. `store` is the texture store that the
+    /// renderer makes from a scene (include/claray/shared/texture.h); an unallocated one disables them. All kernels
+    /// that trace this structure are then compiled with cut-outs.
+    void set_cutouts(const Buffer<std::uint32_t>& store);
+    [[nodiscard]] bool has_cutouts() const { return cutouts.allocated(); }
+    /// As Bvh::bind, for a kernel that treats all triangles as solid and is compiled without CLARAY_CUTOUTS.
+    void bind_solid(Kernel& kernel, unsigned& index) const;
+    /// Binds CLARAY_CUTOUTS_PARAMETERS of trace/ray.clh. Binds nothing if there are no cut-outs.
+    void bind_cutouts(Kernel& kernel, unsigned& index) const;
     [[nodiscard]] double sah_cost() const;
     [[nodiscard]] std::size_t block_bytes() const {
         return leaf_shape == LeafShape::triangle ? sizeof(TriangleBlock) : sizeof(PrimitiveBlock);
@@ -68,7 +80,7 @@ struct Bvh::State {
     bool small_kernels = false;   // see CLARAY_SMALL in kernels/trace/closest_hit.clh
 
     double built_cost = 0;       // the cost before the first refit; 0: none since the last build
-    std::optional<bool> closed;  // see Bvh::is_closed; none since the vertices moved
+    std::optional<bool> closed;  // see is_closed; none since the vertices moved
 
     Buffer<BvhHeader> header;
     Buffer<BvhNode> nodes;
@@ -76,7 +88,7 @@ struct Bvh::State {
     Buffer<WideNode> wide_nodes;
     Buffer<TriangleBlock> wide_blocks;
     Buffer<PrimitiveBlock> primitive_blocks;  // instead of wide_blocks
-    Buffer<std::uint32_t> cutouts;            // see Bvh::set_cutouts
+    Buffer<std::uint32_t> cutouts;            // see set_cutouts
 
     // Scratch, kept for rebuilding.
     Buffer<std::uint32_t> bound_keys;  // three minima, three maxima (float_key), and the Morton grid's scale

@@ -16,4 +16,10 @@ struct HostTree {
 /// triangles.
 [[nodiscard]] HostTree build_host_tree(std::span<const Mesh> meshes);
 
+/// Builds so, always in the binary layout. A later `rebuild` builds on the device with Builder::fast.
+[[nodiscard]] Bvh build_by_host(const Device& device, std::span<const Mesh> meshes, const Bvh::Config& config);
+/// Uses a tree that was built elsewhere, in any layout. For comparing builders.
+[[nodiscard]] Bvh bvh_of(const Device& device, std::span<const Mesh> meshes, const HostTree& tree,
+                         const Bvh::Config& config);
+
 }  // namespace claray

@@ -4,6 +4,7 @@
 
 #include "host/bvh/bvh_state.hpp"
 #include "host/bvh/host_placement.hpp"
+#include "host/bvh/host_tree.hpp"
 #include "host/bvh/instances_state.hpp"
 #include "host/compute/memory.hpp"
 
@@ -23,7 +24,7 @@ struct BottomSize {
 
 BottomSize size_of(const Bvh& bvh, const BvhHeader& header) {
     if (bvh.layout() == Layout::wide) return {header.wide_nodes, header.wide_blocks};
-    return {bvh.nodes().size(), bvh.leaves().size()};
+    return {state_of(bvh).nodes.size(), state_of(bvh).leaves.size()};
 }
 
 void check_bottoms(std::span<const Bvh> bottoms) {
@@ -89,14 +90,14 @@ void InstancedBvh::State::build_by_host(std::span<const Instance> begins, std::s
     placed.write(placement.placed);
     if (moving.allocated()) moving.write(placement.moving);
     widening.write(std::span(&placement.widening, 1));
-    top = Bvh::build_by_host(device, std::span(&placement.boxes, 1), top_config());
+    top = claray::build_by_host(device, std::span(&placement.boxes, 1), top_config());
     boxes = top->triangles();
     widen_top();
 }
 
 /// Writes the widening to the top level's header, which the builder has cleared.
 void InstancedBvh::State::widen_top() {
-    detail::copy(device, widening.memory(), top->header_buffer().memory(), sizeof(float),
+    detail::copy(device, widening.memory(), state_of(*top).header.memory(), sizeof(float),
                  offsetof(BvhHeader, widening));
 }
 
@@ -113,7 +114,7 @@ void InstancedBvh::State::take_bottoms(std::span<const Bvh> bottoms) {
         return;
     }
     shared = bottoms[0];
-    headers = shared->header_buffer();
+    headers = state_of(*shared).header;
     bottom_bytes = shared->statistics().bytes;
 }
 
@@ -121,7 +122,7 @@ void InstancedBvh::State::copy_bottoms(std::span<const Bvh> bottoms) {
     std::vector<BvhHeader> host_headers;
     BottomSize all;
     for (const Bvh& bvh : bottoms) {
-        host_headers.push_back(bvh.header());
+        host_headers.push_back(state_of(bvh).read_header());
         BvhHeader& header = host_headers.back();
         header.first_node = std::uint32_t(all.nodes), header.first_leaf = std::uint32_t(all.leaves);
         const BottomSize size = size_of(bvh, header);
@@ -143,19 +144,19 @@ void InstancedBvh::State::copy_bottoms(std::span<const Bvh> bottoms) {
         const BottomSize size = size_of(bottoms[i], host_headers[i]);
         const BvhHeader& at = host_headers[i];
         if (wide) {
-            append(device, bottoms[i].wide_nodes(), wide_nodes, at.first_node, size.nodes);
-            append(device, bottoms[i].wide_blocks(), wide_blocks, at.first_leaf, size.leaves);
+            append(device, state_of(bottoms[i]).wide_nodes, wide_nodes, at.first_node, size.nodes);
+            append(device, state_of(bottoms[i]).wide_blocks, wide_blocks, at.first_leaf, size.leaves);
         } else {
-            append(device, bottoms[i].nodes(), nodes, at.first_node, size.nodes);
-            append(device, bottoms[i].leaves(), leaves, at.first_leaf, size.leaves);
+            append(device, state_of(bottoms[i]).nodes, nodes, at.first_node, size.nodes);
+            append(device, state_of(bottoms[i]).leaves, leaves, at.first_leaf, size.leaves);
         }
     }
 }
 
 std::uint64_t InstancedBvh::State::bytes() const {
     return buffer_bytes(instances, ends, nodes, leaves, wide_nodes, wide_blocks, placed, moving, widening) +
-           buffer_bytes(boxes.positions, boxes.indices) + (shared ? shared->state().bytes() : headers.bytes()) +
-           (top ? top->state().bytes() : 0);
+           buffer_bytes(boxes.positions, boxes.indices) + (shared ? state_of(*shared).bytes() : headers.bytes()) +
+           (top ? state_of(*top).bytes() : 0);
 }
 
 void InstancedBvh::State::place() {
@@ -191,8 +192,8 @@ InstancedBvh InstancedBvh::build(std::span<const Bvh> bottoms, std::span<const I
     return build(bottoms, Buffer<Instance>(device, instances), Buffer<Instance>(device, ends), config);
 }
 
-InstancedBvh InstancedBvh::build_by_host(std::span<const Bvh> bottoms, std::span<const Instance> instances,
-                                         std::span<const Instance> ends, const Config& config) {
+InstancedBvh build_by_host(std::span<const Bvh> bottoms, std::span<const Instance> instances,
+                           std::span<const Instance> ends, const InstancedBvh::Config& config) {
     check_bottoms(bottoms);
     const Device& device = bottoms[0].device();
     if (!device.info().fp64)
@@ -200,10 +201,10 @@ InstancedBvh InstancedBvh::build_by_host(std::span<const Bvh> bottoms, std::span
                     "instances cannot be placed by the host for a device without float64, since results differ",
                     "use InstancedBvh::build");
     const Buffer<Instance> end_buffer = ends.empty() ? Buffer<Instance>() : Buffer<Instance>(device, ends);
-    InstancedBvh bvh;
-    bvh.state_ = std::make_shared<State>(bottoms, Buffer<Instance>(device, instances), end_buffer, config, true);
-    bvh.state_->build_by_host(instances, ends);
-    return bvh;
+    auto state =
+        std::make_shared<InstancedBvh::State>(bottoms, Buffer<Instance>(device, instances), end_buffer, config, true);
+    state->build_by_host(instances, ends);
+    return handle_of<InstancedBvh>(std::move(state));
 }
 
 void InstancedBvh::rebuild() {
@@ -246,24 +247,22 @@ InstanceStatistics InstancedBvh::statistics() const {
 void InstancedBvh::bind(Kernel& kernel, unsigned& index) const {
     kernel.require(defines());
     const Bvh& top = *state_->top;
-    kernel.set(index, arg("claray_top", top.header_buffer()));
-    kernel.set(index, arg("claray_top_nodes", top.nodes()));
-    kernel.set(index, arg("claray_top_leaves", top.leaves()));
+    kernel.set(index, arg("claray_top", state_of(top).header));
+    kernel.set(index, arg("claray_top_nodes", state_of(top).nodes));
+    kernel.set(index, arg("claray_top_leaves", state_of(top).leaves));
     kernel.set(index, state_->placed);
     state_->bind_bottoms(kernel, index);
     if (state_->moving.allocated()) kernel.set(index, state_->moving);
 }
 
-void InstancedBvh::set_cutouts(const Buffer<std::uint32_t>& store) {
-    if (state_->shared)
-        state_->shared->set_cutouts(store);
+void InstancedBvh::State::set_cutouts(const Buffer<std::uint32_t>& store) {
+    if (shared)
+        state_of(*shared).set_cutouts(store);
     else
-        state_->cutouts = store;
-    without_cutouts(state_->defines);
-    if (store.allocated()) state_->defines.emplace_back("CLARAY_CUTOUTS", "1");
+        cutouts = store;
+    without_cutouts(defines);
+    if (store.allocated()) defines.emplace_back("CLARAY_CUTOUTS", "1");
 }
-
-const Buffer<PlacedInstance>& InstancedBvh::placed() const { return state_->placed; }
 
 void InstancedBvh::State::bind_bottoms(Kernel& kernel, unsigned& index) const {
     if (shared) {

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "claray/instances.hpp"
+#include "host/compute/state_of.hpp"
 
 namespace claray {
 
@@ -16,6 +17,9 @@ struct InstancedBvh::State {
     void place();
     void widen_top();
     void build_by_host(std::span<const Instance> begins, std::span<const Instance> motion_ends);
+    /// As Bvh::State::set_cutouts. The `id` of an instance must then be the index, in the store, of the first triangle
+    /// of its structure. A single bottom level receives the store itself.
+    void set_cutouts(const Buffer<std::uint32_t>& store);
     /// Of all buffers; of a shared bottom level without its triangles.
     [[nodiscard]] std::uint64_t bytes() const;
     void bind_bottoms(Kernel& kernel, unsigned& index) const;
@@ -48,5 +52,10 @@ private:
 
     Kernel place_;
 };
+
+/// Places instances and builds the top level without compiling kernels. If `ends` is empty, nothing moves. Throws
+/// ErrorKind::usage on a device without float64, since its placements would differ in their bits.
+[[nodiscard]] InstancedBvh build_by_host(std::span<const Bvh> bottoms, std::span<const Instance> instances,
+                                         std::span<const Instance> ends, const InstancedBvh::Config& config);
 
 }  // namespace claray

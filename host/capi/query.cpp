@@ -163,9 +163,9 @@ claray_status claray_bvh_move(claray_bvh* bvh, const float* vertices, size_t ver
 }
 
 claray_status claray_bvh_is_closed(const claray_bvh* bvh, int* closed) {
-    return guarded([&] { required(closed, "closed") = required(bvh, "bvh").bvh.is_closed() ? 1 : 0; });
+    return guarded([&] { required(closed, "closed") = is_closed(required(bvh, "bvh").bvh) ? 1 : 0; });
 }
-int claray_bvh_is_replaced(const claray_bvh* bvh) { return bvh && bvh->bvh.is_replaced() ? 1 : 0; }
+int claray_bvh_is_replaced(const claray_bvh* bvh) { return bvh && is_replaced(bvh->bvh) ? 1 : 0; }
 size_t claray_bvh_triangle_count(const claray_bvh* bvh) { return bvh ? bvh->bvh.triangle_count() : 0; }
 void claray_bvh_release(claray_bvh* bvh) { delete bvh; }
 

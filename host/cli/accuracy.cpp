@@ -73,7 +73,8 @@ AccuracyProgress show_progress(const std::string& study, bool quiet) {
             // The first steps are no measure: they include compilation.
             const bool known = done >= 0.02 && done < 1 && seconds > 1;
             std::fprintf(stderr, "%s: %3.0f %%, %s, %s%s\n", study.c_str(), 100 * done, what.c_str(),
-                         told_time(known ? seconds * (1 - done) / done : seconds).c_str(), known ? " left" : " so far");
+                         duration_text(known ? seconds * (1 - done) / done : seconds).c_str(),
+                         known ? " left" : " so far");
         }
         if (InterruptGuard::interrupted()) throw Error(ErrorKind::user, "interrupted");
         return true;
@@ -111,7 +112,7 @@ void print_study(const Study& study) {
     }
     print_table(rows, 2);
     for (const std::string& finding : study.findings) std::printf("%s\n", finding.c_str());
-    std::printf("the study took %s\n", told_time(study.took).c_str());
+    std::printf("the study took %s\n", duration_text(study.took).c_str());
 }
 
 /// A row per point: its error by both references.
@@ -216,7 +217,7 @@ void run_studies(const std::vector<NamedStudy>& chosen, const std::vector<Device
         Study done = with_device(
             study.run ? study.run(device, scene, options, progress)
                       : study.run_with_maps(device, scene, options, progress, o.files.maps.empty() ? nullptr : &maps));
-        if (!o.quiet) std::fprintf(stderr, "%s: took %s\n", study.name, told_time(done.took).c_str());
+        if (!o.quiet) std::fprintf(stderr, "%s: took %s\n", study.name, duration_text(done.took).c_str());
         files.finish(i, std::move(done), std::move(maps));
     };
     const auto work = [&](const Device& device) {

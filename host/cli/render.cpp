@@ -40,10 +40,10 @@ void warn_of_culled(const RenderProgress& progress) {
 /// Who renders a picture, and what becomes of it.
 struct PictureJob {
     const std::vector<Device>& devices;
-    ranks::Ranks* helpers = nullptr;                                      // ranks that render parts of it
-    std::function<void(const std::vector<glm::vec3>&)> add_to_film = {};  // instead of a file
-    std::optional<float>* exposure = nullptr;                             // of all frames; the first one sets it
-    std::filesystem::path folder = {};                                    // for files, instead of the output's
+    ranks::Ranks* helpers = nullptr;                                       // ranks that render parts of it
+    std::function<void(const std::vector<glm::vec3>&)> add_to_video = {};  // instead of a file
+    std::optional<float>* exposure = nullptr;                              // of all frames; the first one sets it
+    std::filesystem::path folder = {};                                     // for files, instead of the output's
     std::function<bool()> goes_on = [] { return !InterruptGuard::interrupted(); };
 };
 
@@ -122,8 +122,8 @@ void warn_of_picture_options(const RenderOptions& options) {
 /// The image and its AOVs. Returns whether the image was written.
 bool write_rendered(const PictureJob& job, const Renderer& renderer, const std::vector<glm::vec3>& pixels,
                     RenderOptions options, Writes& writes) {
-    if (job.add_to_film) {
-        job.add_to_film(pixels);  // no later frame could follow one that is missing
+    if (job.add_to_video) {
+        job.add_to_video(pixels);  // no later frame could follow one that is missing
         return true;
     }
     if (!job.folder.empty()) options.output = job.folder / options.output.filename();
@@ -158,7 +158,7 @@ bool render_picture(const PictureJob& job, const Scene& scene, RenderOptions opt
     if (!options.trace.empty())
         writes.attempt([&] { write_trace(options.trace, device.profiler().records(), device.info().name); });
     const TargetPlan* planned = plan ? &*plan : nullptr;
-    if (options.output == "-") return !outcome.interrupted;  // standard output has the film
+    if (options.output == "-") return !outcome.interrupted;  // standard output has the video
     if (!picture.group) tell_of_idle_options(renderer, options);
     if (is_written)  // else an error follows
         options.json ? print_as_json(device, renderer, options, outcome, planned, denoised, shares)
@@ -169,7 +169,7 @@ bool render_picture(const PictureJob& job, const Scene& scene, RenderOptions opt
 }
 
 RenderOptions options_of_frame(RenderOptions options, unsigned frame) {
-    if (!is_film(options.output)) options.output = numbered(options.output, frame);
+    if (!is_video(options.output)) options.output = numbered(options.output, frame);
     options.view.load.time = frame / options.frame_rate;
     return options;
 }
@@ -178,11 +178,11 @@ RenderOptions options_of_frame(RenderOptions options, unsigned frame) {
 class Animation {
 public:
     Animation(const std::vector<Device>& devices, const RenderOptions& options, Writes& writes)
-        : devices_(devices), options_(options), writes_(writes), next_of_film_(options.animation->first) {
-        if (rank_session() != nullptr && !is_film(options.output))  // other ranks do not know the first frame
+        : devices_(devices), options_(options), writes_(writes), next_of_video_(options.animation->first) {
+        if (rank_session() != nullptr && !is_video(options.output))  // other ranks do not know the first frame
             exposure_ = options.exposure.value_or(0.f);
-        if (is_film(options.output))
-            film_.emplace(options.output, options.config.width, options.config.height, options.frame_rate);
+        if (is_video(options.output))
+            video_.emplace(options.output, options.config.width, options.config.height, options.frame_rate);
     }
     /// The first call must be for the first frame.
     [[nodiscard]] Scene load(unsigned frame) {
@@ -193,39 +193,40 @@ public:
     bool render(unsigned frame, const Scene& scene, ranks::Ranks* helpers) {
         PictureJob job{devices_, helpers};
         job.exposure = &exposure_;
-        if (film_) job.add_to_film = [&, frame](const std::vector<glm::vec3>& pixels) { add_to_film(frame, pixels); };
+        if (video_)
+            job.add_to_video = [&, frame](const std::vector<glm::vec3>& pixels) { add_to_video(frame, pixels); };
         tell_of_signals_until_guarded();
         const bool goes_on = render_picture(job, scene, options_of_frame(options_, frame), writes_);
         std::fflush(stdout);
         return goes_on;
     }
-    /// Whether another rank's frame is what it was asked for: files of this frame, or pixels of a film.
+    /// Whether another rank's frame is what it was asked for: files of this frame, or pixels of a video.
     [[nodiscard]] bool fits(const ranks::RenderedFrame& rendered) const {
         const std::size_t pixels = std::size_t(options_.config.width) * options_.config.height;
-        const bool has_image = !film_ || !rendered.failure.text.empty() || rendered.pixels.size() == pixels;
+        const bool has_image = !video_ || !rendered.failure.text.empty() || rendered.pixels.size() == pixels;
         const std::string stem = options_of_frame(options_, rendered.frame).output.stem().string();
         return has_image &&
                std::ranges::all_of(rendered.names, [&](const auto& name) { return name.starts_with(stem); });
     }
     /// Of another rank.
     void take(const ranks::RenderedFrame& rendered) {
-        if (film_) add_to_film(rendered.frame, rendered.pixels);
+        if (video_) add_to_video(rendered.frame, rendered.pixels);
         for (std::size_t i = 0; i < rendered.names.size(); ++i)
             writes_.attempt([&] { write_file(options_.output.parent_path() / rendered.names[i], rendered.files[i]); });
         const ranks::Failure& failure = rendered.failure;
         if (!failure.text.empty()) writes_.attempt([&] { throw Error(ErrorKind(failure.exit_code), failure.text); });
     }
     void commit() {
-        if (film_) film_->commit();
+        if (video_) video_->commit();
     }
 
 private:
     /// Frames that come too early wait.
-    void add_to_film(unsigned frame, const std::vector<glm::vec3>& pixels) {
+    void add_to_video(unsigned frame, const std::vector<glm::vec3>& pixels) {
         const std::lock_guard lock(adding_);
         early_.emplace(frame, pixels);
-        for (; early_.contains(next_of_film_); early_.erase(next_of_film_++))
-            film_->add(early_[next_of_film_], exposure_.value_or(0.f), options_.tone_map);
+        for (; early_.contains(next_of_video_); early_.erase(next_of_video_++))
+            video_->add(early_[next_of_video_], exposure_.value_or(0.f), options_.tone_map);
     }
 
     const std::vector<Device>& devices_;
@@ -234,8 +235,8 @@ private:
     std::mutex loading_, adding_;
     FirstFrame first_;
     std::optional<float> exposure_;  // by the first frame
-    std::optional<Y4mFilm> film_;
-    unsigned next_of_film_;
+    std::optional<Y4mVideo> video_;
+    unsigned next_of_video_;
     std::map<unsigned, std::vector<glm::vec3>> early_;
 };
 
@@ -278,7 +279,7 @@ void enable_profilers(const std::vector<Device>& devices, const RenderOptions& o
 
 /// A frame of an animation on another rank than 0, which gets the files.
 std::optional<ranks::RenderedFrame> render_for_rank_0(const std::vector<Device>& devices, const RenderOptions& options,
-                                                      const ranks::Picture& frame,
+                                                      const ranks::RenderTask& frame,
                                                       const std::function<bool()>& goes_on) {
     enable_profilers(devices, options);
     const auto folder = scratch_folder();
@@ -287,8 +288,8 @@ std::optional<ranks::RenderedFrame> render_for_rank_0(const std::vector<Device>&
     PictureJob job{devices, nullptr, {}, nullptr, *folder, goes_on};
     std::optional<float> exposure = options.exposure.value_or(0.f);  // the same on all ranks
     job.exposure = &exposure;
-    if (is_film(options.output))
-        job.add_to_film = [&](const std::vector<glm::vec3>& pixels) { rendered.pixels = pixels; };
+    if (is_video(options.output))
+        job.add_to_video = [&](const std::vector<glm::vec3>& pixels) { rendered.pixels = pixels; };
     Writes writes;
     if (!render_picture(job, frame.scene, options_of_frame(options, frame.number), writes)) return std::nullopt;
     std::fflush(stdout);
@@ -305,7 +306,7 @@ std::optional<ranks::RenderedFrame> render_for_rank_0(const std::vector<Device>&
 }
 
 void check_all_outputs(const RenderOptions& options) {
-    if (!options.animation || is_film(options.output)) return check_outputs(options);
+    if (!options.animation || is_video(options.output)) return check_outputs(options);
     for (const unsigned frame : {options.animation->first, options.animation->last}) {
         RenderOptions one = options;
         one.output = numbered(options.output, frame);
@@ -322,7 +323,7 @@ void refuse_several(const std::vector<Device>& devices, const RenderOptions& opt
     if (options.config.adaptive)
         refuse("--adaptive", "name one with --device, without mpirun, or leave out --adaptive");
     if (options.auto_exposure && options.animation && rank_session() != nullptr)
-        refuse("--exposure auto with --frames", "give a number of stops, so that all ranks use the same");
+        refuse("--exposure automatic with --frames", "give a number of stops, so that all ranks use the same");
     if (!options.trace.empty()) refuse("--trace", "name one with --device, without mpirun, or leave out --trace");
 }
 
@@ -341,9 +342,8 @@ void render(const RenderOptions& options) {
     if (is_other_rank())
         return serve_rank_0(
             options.device, options.wait_for_kernels ? "" : this_program(),
-            [&](const std::vector<Device>& devices, const ranks::Picture& frame, const std::function<bool()>& goes_on) {
-                return render_for_rank_0(devices, options, frame, goes_on);
-            });
+            [&](const std::vector<Device>& devices, const ranks::RenderTask& frame,
+                const std::function<bool()>& goes_on) { return render_for_rank_0(devices, options, frame, goes_on); });
     check_all_outputs(options);
     if (options.denoiser) check_denoiser(*options.denoiser);
     tell_of_signals_until_guarded();

@@ -47,8 +47,8 @@ std::uint64_t bytes_left_for(const Device& device, std::size_t bytes) {
 std::shared_ptr<cl::Buffer> allocate(const Device& device, std::size_t bytes) {
     refuse_if_forked();
     const DeviceInfo& info = device.info();
-    if (device.state().requests != nullptr) return {};  // a rehearsal, see requests_of: only kernels are of interest
-    if (MemoryPlan* plan = device.state().plan; plan != nullptr) {
+    if (state_of(device).requests != nullptr) return {};  // a rehearsal, see requests_of: only kernels are of interest
+    if (MemoryPlan* plan = state_of(device).plan; plan != nullptr) {
         plan->add(bytes);
         return {};
     }
@@ -59,12 +59,12 @@ std::shared_ptr<cl::Buffer> allocate(const Device& device, std::size_t bytes) {
     };
     if (const std::uint64_t left = bytes_left_for(device, bytes); bytes > left)
         refuse("has " + size_text(left) + " of its " + size_text(info.memory) + " left");
-    const auto in_use = device.state().in_use;
+    const auto in_use = state_of(device).in_use;
     try {
-        fail_if_asked(device.state().failing_allocation, CL_MEM_OBJECT_ALLOCATION_FAILURE);
+        fail_if_asked(state_of(device).failing_allocation, CL_MEM_OBJECT_ALLOCATION_FAILURE);
         // The driver decides about sizes above CL_DEVICE_MAX_MEM_ALLOC_SIZE.
         auto made = std::make_unique<cl::Buffer>(make_buffer(device, bytes));
-        if (device.state().commits) device.queue().enqueueFillBuffer(*made, cl_uchar(0), 0, 1);
+        if (state_of(device).commits) device.queue().enqueueFillBuffer(*made, cl_uchar(0), 0, 1);
         in_use->add(bytes);
         return {made.release(), [in_use, bytes](const cl::Buffer* buffer) {
                     in_use->now -= bytes;

@@ -8,6 +8,8 @@
 #include <string>
 
 #include "claray/device.hpp"
+#include "host/compute/programs/kernel_pool.hpp"
+#include "host/compute/state_of.hpp"
 
 namespace claray {
 
@@ -39,9 +41,10 @@ struct Device::State {
     cl::CommandQueue queue;
     bool owns_queue = false;
     Profiler profiler;
-    bool store_programs = true;                      // in the cache on disk; PoCL compiles them again to do so
-    std::map<std::string, cl::Program> programs;     // by file, options and, for user sources, text
-    std::map<cl_program, std::string> parameters;    // of their kernels, see Kernel::check_arguments
+    bool store_programs = true;                    // in the cache on disk; PoCL compiles them again to do so
+    std::map<std::string, cl::Program> programs;   // by file, options and, for user sources, text
+    std::map<cl_program, std::string> parameters;  // of their kernels, see Kernel::check_arguments
+    std::shared_ptr<KernelPool> kernels = std::make_shared<KernelPool>();
     std::size_t programs_of_all_asked = 0;           // their number when none of those asked for at once was missing
     std::vector<std::string> slow_programs;          // keys of programs that are only for a quick start
     std::vector<KernelRequest>* requests = nullptr;  // if set, kernels are recorded instead of loaded

@@ -10,25 +10,25 @@
 namespace claray {
 
 MemoryPlan::MemoryPlan(const Device& device) : device_(device) {
-    if (device.state().plan != nullptr) throw Error(ErrorKind::usage, "a plan of memory within another one");
-    device.state().plan = this;
+    if (state_of(device).plan != nullptr) throw Error(ErrorKind::usage, "a plan of memory within another one");
+    state_of(device).plan = this;
 }
 
-MemoryPlan::~MemoryPlan() { device_.state().plan = nullptr; }
+MemoryPlan::~MemoryPlan() { state_of(device_).plan = nullptr; }
 
 void MemoryPlan::add(std::uint64_t bytes) {
     bytes_ = bytes > UINT64_MAX - bytes_ ? UINT64_MAX : bytes_ + bytes;
     largest_ = std::max(largest_, bytes);
 }
 
-MemoryCommit::MemoryCommit(const Device& device) : device_(device) { device_.state().commits = true; }
+MemoryCommit::MemoryCommit(const Device& device) : device_(device) { state_of(device_).commits = true; }
 
-MemoryCommit::~MemoryCommit() { device_.state().commits = false; }
+MemoryCommit::~MemoryCommit() { state_of(device_).commits = false; }
 
 /// The memory of a buffer that the driver allocates on the host stays mapped: the documented way to page-locked memory
 /// (NVIDIA, "OpenCL Best Practices Guide", 3.1.1).
 HostMemory::HostMemory(const Device& device, std::size_t bytes) try {
-    if (device.state().plan != nullptr) return;
+    if (state_of(device).plan != nullptr) return;
     const cl::Buffer buffer(device.context(), CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR, bytes);
     void* const mapped = device.queue().enqueueMapBuffer(buffer, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE, 0, bytes);
     data_ = {static_cast<std::uint8_t*>(mapped), [queue = device.queue(), buffer](std::uint8_t* data) {
@@ -55,8 +55,8 @@ std::vector<cl::Event> HostMemory::read_in_parts(const Device& device, const cl:
     throw_device_error(device, "read a buffer", error);
 }
 
-std::uint64_t bytes_in_use(const Device& device) { return device.state().in_use->now; }
-std::uint64_t most_bytes_in_use(const Device& device) { return device.state().in_use->most; }
+std::uint64_t bytes_in_use(const Device& device) { return state_of(device).in_use->now; }
+std::uint64_t most_bytes_in_use(const Device& device) { return state_of(device).in_use->most; }
 
 std::uint64_t bytes_available(const Device& device) {
     const std::uint64_t all = device.info().memory, used = bytes_in_use(device), left = all > used ? all - used : 0;
@@ -72,10 +72,10 @@ bool gives_buffer(const Device& device, std::uint64_t bytes) {
     return status == CL_SUCCESS;
 }
 
-void fail_allocation(const Device& device, unsigned nth) { device.state().failing_allocation = nth; }
+void fail_allocation(const Device& device, unsigned nth) { state_of(device).failing_allocation = nth; }
 void fail_command(const Device& device, unsigned nth) { fail_command_with(device, nth, CL_OUT_OF_RESOURCES); }
 void fail_command_with(const Device& device, unsigned nth, int error) {
-    device.state().failing_command = nth, device.state().failing_with = error;
+    state_of(device).failing_command = nth, state_of(device).failing_with = error;
 }
 
 void fail_if_asked(unsigned& countdown, int error) {

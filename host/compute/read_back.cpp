@@ -39,7 +39,7 @@ void read_once(const Device& device, const HostMemory& locked, const cl::Buffer&
 
 /// Returns false if there is not so much.
 bool has_locked(const Device& device, std::size_t bytes) {
-    Device::State& state = device.state();
+    Device::State& state = state_of(device);
     if (state.locked_bytes >= bytes) return true;
     state.locked_bytes = 0, state.locked.reset();
     try {
@@ -53,7 +53,7 @@ bool has_locked(const Device& device, std::size_t bytes) {
 }  // namespace
 
 void read_by_locked_memory(const Device& device, const cl::Buffer& from, void* to, std::size_t bytes) try {
-    Device::State& state = device.state();
+    Device::State& state = state_of(device);
     const std::lock_guard lock(state.locked_mutex);
     if (!has_locked(device, std::min(bytes, most_locked))) return read(device, from, 0, to, bytes);
     for (std::size_t at = 0; at < bytes; at += state.locked_bytes)

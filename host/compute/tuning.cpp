@@ -129,12 +129,12 @@ Tuning tuning_for(const DeviceInfo& info) {
     return tuning;
 }
 
-std::vector<std::string> tuning_warnings(const Device& device) { return device.state().tuning_warnings; }
+std::vector<std::string> tuning_warnings(const Device& device) { return state_of(device).tuning_warnings; }
 
 Defines with_tuning(const Device& device, const std::string& stem, Defines defines) {
     const std::string prefix = stem + " ";
     Defines tuned;
-    for (const auto& [name, value] : device.state().tuning) {
+    for (const auto& [name, value] : state_of(device).tuning) {
         if (!name.starts_with(prefix)) continue;
         const std::string parameter = name.substr(prefix.size());
         const bool given = std::any_of(defines.begin(), defines.end(), [&](auto& d) { return d.first == parameter; });

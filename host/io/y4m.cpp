@@ -26,18 +26,18 @@ std::uint8_t byte_of(float value) { return std::uint8_t(glm::clamp(std::lround(v
 
 }  // namespace
 
-Y4mFilm::Y4mFilm(const std::filesystem::path& path, unsigned width, unsigned height, double rate)
+Y4mVideo::Y4mVideo(const std::filesystem::path& path, unsigned width, unsigned height, double rate)
     : width_(width),
       height_(height),
       header_("YUV4MPEG2 W" + std::to_string(width) + " H" + std::to_string(height) + " F" + fraction_of(rate) +
               " Ip A1:1 C444\n"),
-      file_(film_file(path)) {}
+      file_(video_file(path)) {}
 
-void Y4mFilm::add(const std::vector<glm::vec3>& pixels, float exposure, ToneMap tone_map) {
+void Y4mVideo::add(const std::vector<glm::vec3>& pixels, float exposure, ToneMap tone_map) {
     const std::size_t count = std::size_t(width_) * height_;
     if (pixels.size() != count)
         throw Error(ErrorKind::usage,
-                    "a frame of " + std::to_string(pixels.size()) + " pixels in a film of " + std::to_string(count));
+                    "a frame of " + std::to_string(pixels.size()) + " pixels in a video of " + std::to_string(count));
     const float gain = std::exp2(exposure);
     std::string frame = std::exchange(header_, {}) + "FRAME\n";
     const std::size_t begin = frame.size();
@@ -53,7 +53,7 @@ void Y4mFilm::add(const std::vector<glm::vec3>& pixels, float exposure, ToneMap 
     file_.write(frame.data(), frame.size());
 }
 
-void Y4mFilm::commit() {
+void Y4mVideo::commit() {
     file_.write(header_.data(), header_.size());
     file_.commit();
 }

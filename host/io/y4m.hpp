@@ -1,4 +1,4 @@
-// Films without compression, for a pipe to ffmpeg: YUV4MPEG2, one frame after the other.
+// Videos without compression, for a pipe to ffmpeg: YUV4MPEG2, one frame after the other.
 #pragma once
 
 #include <filesystem>
@@ -9,12 +9,12 @@
 
 namespace claray {
 
-class Y4mFilm {
+class Y4mVideo {
 public:
     /// `path`: a file, which appears when `commit` is called; a pipe or "-" (standard output) is written from the first
     /// frame on, so that nothing is written if there is none.
     /// `rate`: frames per second, > 0. Throws as NewFile.
-    Y4mFilm(const std::filesystem::path& path, unsigned width, unsigned height, double rate);
+    Y4mVideo(const std::filesystem::path& path, unsigned width, unsigned height, double rate);
 
     /// Adds a frame: 8 bits of BT.601 in limited range, one value of each plane per pixel. Exposure in stops.
     void add(const std::vector<glm::vec3>& pixels, float exposure, ToneMap tone_map);
@@ -27,7 +27,7 @@ private:
 };
 
 /// The file that "-" stands for.
-[[nodiscard]] inline std::filesystem::path film_file(const std::filesystem::path& path) {
+[[nodiscard]] inline std::filesystem::path video_file(const std::filesystem::path& path) {
     return path == "-" ? std::filesystem::path("/dev/stdout") : path;
 }
 

@@ -61,11 +61,11 @@ const Bvh& Primitives::bvh() const { return state_->bvh; }
 
 void closest_hit(const Primitives& primitives, const Buffer<Ray>& rays, Buffer<Hit>& hits,
                  const QueryOptions& options) {
-    primitives.state().trace("closest_primitive", rays, hits, options);
+    state_of(primitives).trace("closest_primitive", rays, hits, options);
 }
 void any_hit(const Primitives& primitives, const Buffer<Ray>& rays, Buffer<std::uint8_t>& occluded,
              const QueryOptions& options) {
-    primitives.state().trace("any_primitive", rays, occluded, options);
+    state_of(primitives).trace("any_primitive", rays, occluded, options);
 }
 
 std::vector<Hit> closest_hit(const Primitives& primitives, std::span<const Ray> rays, const QueryOptions& options) {

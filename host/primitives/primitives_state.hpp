@@ -7,14 +7,14 @@
 #include "claray/primitives/primitives.hpp"
 #include "host/bvh/bvh_state.hpp"
 #include "host/trace/query_kernel.hpp"
+#include "host/trace/query_launch.hpp"
 #include "host/trace/ray_order.hpp"
-#include "host/trace/schedule.hpp"
 
 namespace claray {
 
 struct Primitives::State {
     State(const Device& on, PrimitiveKind of, const Buffer<float>& with, std::uint32_t number)
-        : device(on), kind(std::move(of)), data(with), count(number), schedule(on) {
+        : device(on), kind(std::move(of)), data(with), count(number), launch(on) {
         corners.positions = Buffer<float>(device, std::size_t(9) * count);
         corners.indices = Buffer<std::uint32_t>(device, std::size_t(3) * count);
         bound();
@@ -53,11 +53,11 @@ struct Primitives::State {
                const QueryOptions& options) {
         check_sizes(rays.size(), results.size(), {});
         if (rays.size() == 0) return;
-        Defines defines = schedule.with(bvh.defines());
+        Defines defines = launch.with(bvh.defines());
         if (options.brute_force) defines.emplace_back("BRUTE_FORCE", "1");
         const Buffer<std::uint32_t>& order = order_of(rays, options);
         compile(function, defines)
-            .run(schedule.range(rays.size()), bvh, arg("data", data), count, rays, std::uint32_t(rays.size()),
+            .run(launch.range(rays.size()), bvh, arg("data", data), count, rays, std::uint32_t(rays.size()),
                  arg("order", order), results);
     }
 
@@ -65,7 +65,7 @@ struct Primitives::State {
     PrimitiveKind kind;
     Buffer<float> data;
     std::uint32_t count;
-    Schedule schedule;
+    QueryLaunch launch;
     TriangleBuffers corners;
     Bvh bvh;
     std::unique_ptr<RayOrder> ray_order;

@@ -96,16 +96,16 @@ ScenePrimitives::ScenePrimitives(const Device& device, const Scene& scene) {
         const Buffer<float> data(store_, header.data[kind] * sizeof(float), sizes[kind]);
         const Primitives structure = Primitives::build(
             device, text_of(kind), data, header.first[kind + 1] - header.first[kind], {.builder = builder_of(kind)});
-        Bvh::State& tree = structure.bvh().state();
+        Bvh::State& tree = state_of(structure.bvh());
         bytes_ += tree.tree_bytes(tree.read_header());
-        tree.keep_tree_only(), structure.state().corners = {};
+        tree.keep_tree_only(), state_of(structure).corners = {};
         kinds_.push_back({header.first[kind], structure});
     }
 }
 
 std::uint64_t ScenePrimitives::device_bytes() const {
     std::uint64_t bytes = store_.bytes();
-    for (const PrimitivesOfKind& kind : kinds_) bytes += kind.structure.bvh().state().bytes();
+    for (const PrimitivesOfKind& kind : kinds_) bytes += state_of(kind.structure.bvh()).bytes();
     return bytes;
 }
 
@@ -136,8 +136,8 @@ std::uint64_t bytes_of_primitives(const Scene& scene) {
 PrimitivesQuery::PrimitivesQuery(const ScenePrimitives& primitives, QueryKind kind, bool instances,
                                  const std::string& name) {
     for (const PrimitivesOfKind& of : primitives.kinds()) {
-        const Primitives::State& state = of.structure.state();
-        Defines defines = state.schedule.with(state.bvh.defines());
+        const Primitives::State& state = state_of(of.structure);
+        Defines defines = state.launch.with(state.bvh.defines());
         defines.emplace_back("INSTANCES", instances ? "1" : "0");
         const bool closest = kind == QueryKind::closest;
         const Kernel kernel = state.compile(closest ? "nearer_primitive" : "occluding_primitive", defines);
@@ -145,7 +145,7 @@ PrimitivesQuery::PrimitivesQuery(const ScenePrimitives& primitives, QueryKind ki
     }
 }
 
-Range PrimitivesQuery::Pass::range(std::uint32_t rays) const { return of.structure.state().schedule.range(rays); }
+Range PrimitivesQuery::Pass::range(std::uint32_t rays) const { return state_of(of.structure).launch.range(rays); }
 
 void PrimitivesQuery::any(const Buffer<Ray>& rays, Buffer<std::uint8_t>& occluded, std::uint32_t capacity,
                           const Buffer<std::uint32_t>& count) {

@@ -10,11 +10,11 @@ namespace {
 template <class Config, class Visit>
 void visit_config(Config& config, const Visit& visit) {
     auto& [width, height, spp, max_depth, sample_clamp, seed, seconds, noise, error, adaptive, guide, report_seconds,
-           sampler, bvh, parts, effects, approximate, light_grid, ambient, compiler, checkpoint, checkpoint_seconds,
-           resume] = config;
+           sampler, bvh, parts, effects, approximate, light_grid, compiler, checkpoint, checkpoint_seconds, resume] =
+        config;
     (void)compiler, (void)checkpoint, (void)checkpoint_seconds, (void)resume;
     visit(width, height, spp, max_depth, sample_clamp, seed, seconds, noise, error, adaptive, guide, report_seconds,
-          sampler, bvh, parts, effects, approximate, light_grid, ambient);
+          sampler, bvh, parts, effects, approximate, light_grid);
 }
 
 template <class... T>
@@ -74,14 +74,14 @@ std::string to_bytes(std::uint32_t number, const RenderConfig& config, const Sce
     return writer.take();
 }
 
-Picture picture_from(const std::string& bytes) {
-    Picture picture;
+RenderTask task_from(const std::string& bytes) {
+    RenderTask task;
     ByteReader reader(bytes);
-    reader.get(picture.number);
-    visit_config(picture.config, [&](auto&... members) { reader.get(members...); });
-    reader.get(picture.scene);
+    reader.get(task.number);
+    visit_config(task.config, [&](auto&... members) { reader.get(members...); });
+    reader.get(task.scene);
     reader.finish();
-    return picture;
+    return task;
 }
 
 std::string to_bytes(const RenderedFrame& f) {
@@ -100,26 +100,26 @@ RenderedFrame rendered_from(const std::string& bytes) {
 }
 
 std::string to_bytes(const RemoteOrder& order) {
-    return bytes_of(order.picture, order.device, order.order, order.sums.pixels, order.sums.odd);
+    return bytes_of(order.task, order.device, order.order, order.sums.pixels, order.sums.odd);
 }
 
 RemoteOrder order_from(const std::string& bytes) {
     RemoteOrder order;
-    read(bytes, order.picture, order.device, order.order, order.sums.pixels, order.sums.odd);
+    read(bytes, order.task, order.device, order.order, order.sums.pixels, order.sums.odd);
     if (order.order.kind > Order::Kind::give) refuse_message("has an order of no kind");
     return order;
 }
 
 std::string to_bytes(const RemoteReport& remote) {
     const Report& r = remote.report;
-    return bytes_of(remote.picture, r.worker, r.kind, r.first_paths, r.most_paths, r.seconds, r.sums.pixels, r.sums.odd,
+    return bytes_of(remote.task, r.worker, r.kind, r.first_paths, r.most_paths, r.seconds, r.sums.pixels, r.sums.odd,
                     r.error, r.what);
 }
 
 RemoteReport report_from(const std::string& bytes) {
     RemoteReport remote;
     Report& r = remote.report;
-    read(bytes, remote.picture, r.worker, r.kind, r.first_paths, r.most_paths, r.seconds, r.sums.pixels, r.sums.odd,
+    read(bytes, remote.task, r.worker, r.kind, r.first_paths, r.most_paths, r.seconds, r.sums.pixels, r.sums.odd,
          r.error, r.what);
     if (r.kind > Report::Kind::failed) refuse_message("has a report of no kind");
     if (!is_duration(r.seconds)) refuse_message("has a time of " + std::to_string(r.seconds) + " s");

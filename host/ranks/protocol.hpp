@@ -30,28 +30,28 @@ struct Failure {
 /// Without the lines of a log.
 [[nodiscard]] Failure failure_of(ErrorKind kind, const std::string& text);
 
-/// `number` counts the pictures; messages about earlier ones are ignored. Of a frame it is that of the animation.
-struct Picture {
+/// `number` counts the tasks; messages about earlier ones are ignored. Of a frame it is that of the animation.
+struct RenderTask {
     std::uint32_t number = 0;
     RenderConfig config;
     Scene scene;
 };
 [[nodiscard]] std::string to_bytes(std::uint32_t number, const RenderConfig& config, const Scene& scene);
 /// The compiler and the files of the configuration are left empty: they belong to a machine.
-[[nodiscard]] Picture picture_from(const std::string& bytes);
+[[nodiscard]] RenderTask task_from(const std::string& bytes);
 
 /// What a rank made of a frame of an animation.
 struct RenderedFrame {
     std::uint32_t frame = 0;
     std::vector<std::string> names, files;  // of the files that rank 0 is to write, and what is in them
-    std::vector<glm::vec3> pixels;          // of a film
+    std::vector<glm::vec3> pixels;          // of a video
     Failure failure;                        // without text if there is none
 };
 [[nodiscard]] std::string to_bytes(const RenderedFrame& frame);
 [[nodiscard]] RenderedFrame rendered_from(const std::string& bytes);
 
 struct RemoteOrder {
-    std::uint32_t picture = 0, device = 0;  // `device`: of the rank
+    std::uint32_t task = 0, device = 0;  // `device`: of the rank
     Order order;
     Film::Sums sums;
 };
@@ -60,7 +60,7 @@ struct RemoteOrder {
 
 /// `report.worker` is the number of the rank's device.
 struct RemoteReport {
-    std::uint32_t picture = 0;
+    std::uint32_t task = 0;
     Report report;
 };
 [[nodiscard]] std::string to_bytes(const RemoteReport& report);

@@ -15,19 +15,19 @@ constexpr std::size_t most_remote_orders = 4;
 
 class RemoteDevice final : public Worker {
 public:
-    RemoteDevice(Session& session, int rank, std::uint32_t picture, std::uint32_t device, std::string name)
-        : session_(session), rank_(rank), picture_(picture), device_(device), name_(std::move(name)) {}
+    RemoteDevice(Session& session, int rank, std::uint32_t task, std::uint32_t device, std::string name)
+        : session_(session), rank_(rank), task_(task), device_(device), name_(std::move(name)) {}
 
     [[nodiscard]] const std::string& name() const override { return name_; }
     [[nodiscard]] std::size_t most_orders() const override { return most_remote_orders; }
     void carry_out(const Order& order, Film::Sums sums) override {
-        session_.send(rank_, MessageKind::order, to_bytes(RemoteOrder{picture_, device_, order, std::move(sums)}));
+        session_.send(rank_, MessageKind::order, to_bytes(RemoteOrder{task_, device_, order, std::move(sums)}));
     }
 
 private:
     Session& session_;
     int rank_;
-    std::uint32_t picture_, device_;
+    std::uint32_t task_, device_;
     std::string name_;
 };
 
@@ -101,22 +101,22 @@ Ranks::Ranks(Session& session, const Hello& own, const Tell& tell)
 }
 
 RemoteDevices::RemoteDevices(Ranks& ranks, RenderGroup& group, const Scene& scene, const RenderConfig& config)
-    : ranks_(ranks), inbox_(group.state().inbox), picture_(ranks.next_picture()) {
+    : ranks_(ranks), inbox_(state_of(group).inbox), task_(ranks.next_task()) {
     Session& session = ranks.session();
     for (int rank = 1; rank < session.size(); ++rank) {
         const Hello& hello = ranks.hellos()[std::size_t(rank)];
         for (std::size_t device = 0; device < hello.devices.size(); ++device)
-            group.state().add([&](Inbox&, std::size_t member) {
+            state_of(group).add([&](Inbox&, std::size_t member) {
                 places_.push_back({rank, device, member});
-                return std::make_unique<RemoteDevice>(session, rank, picture_, std::uint32_t(device),
+                return std::make_unique<RemoteDevice>(session, rank, task_, std::uint32_t(device),
                                                       place_of(rank, hello) + ": " + hello.devices[device]);
             });
     }
-    group.state().most_seconds_of_order = 20 * Session::seconds_until_lost();
-    std::string picture = to_bytes(picture_, config, scene);  // may throw, before the session knows this object
+    state_of(group).most_seconds_of_order = 20 * Session::seconds_until_lost();
+    std::string task = to_bytes(task_, config, scene);  // may throw, before the session knows this object
     session.handle([this](const Message& message) { take(message); });
     while (const std::optional<Message> earlier = session.receive(std::chrono::milliseconds(0))) take(*earlier);
-    session.broadcast(MessageKind::picture, std::move(picture));
+    session.broadcast(MessageKind::task, std::move(task));
 }
 
 RemoteDevices::~RemoteDevices() {
@@ -135,15 +135,15 @@ void RemoteDevices::take(const Message& message) {
     }
 }
 
-/// A rank may still report of the picture before, but not once it has begun this one.
+/// A rank may still report of the task before, but not once it has begun this one.
 void RemoteDevices::take_report(const Message& message) {
     refuse_unless(MessageKind::report, message);
     RemoteReport remote = report_from(message.bytes);
-    if (remote.picture < picture_ && remote.picture > 0 && !reporting_.contains(message.from)) return;
+    if (remote.task < task_ && remote.task > 0 && !reporting_.contains(message.from)) return;
     const auto place = std::find_if(places_.begin(), places_.end(), [&](const Place& p) {
         return p.rank == message.from && p.device == remote.report.worker;
     });
-    if (remote.picture != picture_ || place == places_.end()) refuse_message("reports of what nobody asked for");
+    if (remote.task != task_ || place == places_.end()) refuse_message("reports of what nobody asked for");
     reporting_.insert(message.from);
     remote.report.worker = place->member;
     inbox_.post(std::move(remote.report));

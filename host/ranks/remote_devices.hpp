@@ -27,8 +27,8 @@ public:
     [[nodiscard]] Session& session() const { return session_; }
     /// By rank; without devices for rank 0.
     [[nodiscard]] const std::vector<Hello>& hellos() const { return hellos_; }
-    /// A number for the next picture.
-    [[nodiscard]] std::uint32_t next_picture() { return ++pictures_; }
+    /// A number for the next task.
+    [[nodiscard]] std::uint32_t next_task() { return ++tasks_; }
     [[nodiscard]] bool is_lost(int rank) const { return hellos_[std::size_t(rank)].devices.empty(); }
     void lose(int rank) { hellos_[std::size_t(rank)].devices.clear(); }
     /// "rank 2 on this host is dropped and the others go on: why"
@@ -39,7 +39,7 @@ private:
 
     Session& session_;
     std::vector<Hello> hellos_;
-    std::uint32_t pictures_ = 0;
+    std::uint32_t tasks_ = 0;
 };
 
 /// Adds the devices of the other ranks to a group, and sends them the scene. Destroy it before the group.
@@ -62,9 +62,9 @@ private:
 
     Ranks& ranks_;
     Inbox& inbox_;
-    std::uint32_t picture_;
+    std::uint32_t task_;
     std::vector<Place> places_;
-    std::set<int> reporting_;  // ranks that have begun this picture
+    std::set<int> reporting_;  // ranks that have begun this task
 };
 
 }  // namespace claray::ranks

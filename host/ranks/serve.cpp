@@ -10,13 +10,13 @@
 namespace claray::ranks {
 namespace {
 
-/// The devices of this rank at work on one picture.
+/// The devices of this rank at work on one image.
 class Job {
 public:
-    Job(Session& session, const std::vector<Device>& devices, Picture picture) : picture_(std::move(picture)) {
+    Job(Session& session, const std::vector<Device>& devices, RenderTask task) : task_(std::move(task)) {
         for (const Device& device : devices)
             workers_.push_back(
-                std::make_unique<DeviceWorker>(device, picture_.scene, picture_.config, inbox_, workers_.size()));
+                std::make_unique<DeviceWorker>(device, task_.scene, task_.config, inbox_, workers_.size()));
         reporter_ = std::thread([this, &session] { report(session); });
     }
     ~Job() {
@@ -28,12 +28,12 @@ public:
     Job& operator=(const Job&) = delete;
 
     void carry_out(RemoteOrder order) {
-        const bool is_late = order.picture > 0 && order.picture < picture_.number && !has_begun_;
-        if (is_late) return;  // of the picture before
+        const bool is_late = order.task > 0 && order.task < task_.number && !has_begun_;
+        if (is_late) return;  // of the task before
         const Batch& batch = order.order.batch;
         const std::uint64_t end = std::uint64_t(batch.first_pixel) + batch.pixels;
-        if (order.picture != picture_.number || order.device >= workers_.size() || batch.pixels == 0 ||
-            end > std::uint64_t(picture_.config.width) * picture_.config.height ||
+        if (order.task != task_.number || order.device >= workers_.size() || batch.pixels == 0 ||
+            end > std::uint64_t(task_.config.width) * task_.config.height ||
             (order.order.brings_sums && order.sums.pixels.size() != batch.pixels))
             refuse_message("orders what is not there");
         has_begun_ = true;
@@ -44,10 +44,10 @@ private:
     void report(Session& session) {
         while (!ends_)
             if (std::optional<Report> report = inbox_.wait(std::chrono::milliseconds(20)))
-                session.send(0, MessageKind::report, to_bytes(RemoteReport{picture_.number, std::move(*report)}));
+                session.send(0, MessageKind::report, to_bytes(RemoteReport{task_.number, std::move(*report)}));
     }
 
-    Picture picture_;
+    RenderTask task_;
     bool has_begun_ = false;
     Inbox inbox_;
     std::vector<std::unique_ptr<DeviceWorker>> workers_;
@@ -80,11 +80,11 @@ int serve(Session& session, const std::vector<Device>& devices, Hello hello, con
         waiting.pop_front();
         if (message.from != 0) continue;  // nobody else asks for anything
         switch (message.kind) {
-            case MessageKind::picture: {
+            case MessageKind::task: {
                 job.reset();
-                Picture picture = picture_from(message.bytes);
-                picture.config.compiler = compiler;
-                job = std::make_unique<Job>(session, devices, std::move(picture));
+                RenderTask task = task_from(message.bytes);
+                task.config.compiler = compiler;
+                job = std::make_unique<Job>(session, devices, std::move(task));
                 break;
             }
             case MessageKind::order:
@@ -92,7 +92,7 @@ int serve(Session& session, const std::vector<Device>& devices, Hello hello, con
                 break;
             case MessageKind::frame:
                 job.reset();
-                if (const auto rendered = render_frame(devices, picture_from(message.bytes), goes_on))
+                if (const auto rendered = render_frame(devices, task_from(message.bytes), goes_on))
                     session.send(0, MessageKind::rendered, to_bytes(*rendered));
                 break;
             case MessageKind::end: job.reset(); break;

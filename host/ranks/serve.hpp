@@ -7,8 +7,8 @@
 namespace claray::ranks {
 
 /// Renders a frame alone. Returns none if `goes_on`, which must be called now and then, returned false.
-using RenderFrame = std::function<std::optional<RenderedFrame>(const std::vector<Device>& devices, const Picture& frame,
-                                                               const std::function<bool()>& goes_on)>;
+using RenderFrame = std::function<std::optional<RenderedFrame>(
+    const std::vector<Device>& devices, const RenderTask& frame, const std::function<bool()>& goes_on)>;
 
 /// Says hello, and renders what rank 0 asks for on these devices. `compiler`: RenderConfig::compiler. Returns the exit
 /// code with which rank 0 quits. Throws ErrorKind::user if rank 0 is lost.

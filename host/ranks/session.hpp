@@ -13,10 +13,10 @@ enum class MessageKind : int {
     alive,     ///< nothing else
     hello,     ///< a rank's version, options and devices
     failure,   ///< a rank ends: exit code and text
-    picture,   ///< configuration and scene of the next picture
+    task,      ///< configuration and scene of the next image
     order,     ///< for a device of a rank
     report,    ///< of a device
-    end,       ///< of the picture
+    end,       ///< of the task
     frame,     ///< configuration and scene of a frame that this rank is to render alone
     rendered,  ///< what a rank made of a frame
     quit,      ///< the program ends with this exit code

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "claray/device.hpp"
-#include "host/render/schedule/schedule.hpp"
+#include "host/render/schedule/pass_schedule.hpp"
 
 namespace claray {
 

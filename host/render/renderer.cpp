@@ -27,44 +27,46 @@ ImageSizes Renderer::State::sizes(unsigned width, unsigned height) const {
 }
 
 void Renderer::State::look_through(const Camera& view) {
-    wavefront.set_camera(camera_data(view, aspect_of(config)));
-    camera = view;
+    wavefront.frame().camera = camera_data(view, aspect_of(config));
+    source.camera = view;
 }
 
 ToneMapper& Renderer::State::mapper_of(std::uint32_t image_pixels) {
-    if (!tone_mapper || tone_mapper->pixels() != image_pixels) tone_mapper.emplace(device, image_pixels);
-    return *tone_mapper;
+    if (!outputs.tone_mapper || outputs.tone_mapper->pixels() != image_pixels)
+        outputs.tone_mapper.emplace(device, image_pixels);
+    return *outputs.tone_mapper;
 }
 
 void Renderer::State::follow_light() {
-    if (light_grid) light_grid->follow(camera.position, wavefront, buffers);
+    if (light_grid) light_grid->follow(source.camera.position, wavefront, buffers);
 }
 
 void Renderer::State::sample_all_pixels() {
     follow_light();
-    InFlight in_flight(device, pace);
-    while (spp() == 0) trace(schedule.next(pace.paths()), in_flight);
+    InFlight in_flight(device, sampling.pace);
+    while (spp() == 0) trace(sampling.schedule.next(sampling.pace.paths()), in_flight);
     device.finish();
 }
 
 AovStage& Renderer::State::aov_stage() {
-    if (!aovs)
-        aovs.emplace(buffers, wavefront.kernel_effects(), std::min<std::uint32_t>(wavefront.capacity(), pixels()));
-    return *aovs;
+    if (!outputs.aovs)
+        outputs.aovs.emplace(buffers, wavefront.kernel_effects(),
+                             std::min<std::uint32_t>(wavefront.capacity(), pixels()));
+    return *outputs.aovs;
 }
 
 DenoisingStage& Renderer::State::denoising_stage() {
-    if (!denoising) denoising.emplace(config);
-    return *denoising;
+    if (!outputs.denoising) outputs.denoising.emplace(config);
+    return *outputs.denoising;
 }
 
 void Renderer::State::discard_samples() {
-    schedule = new_schedule();
+    sampling.schedule = new_schedule();
     film.clear();
-    if (guide) guide->forget();
-    looks = {}, last_error = {}, last_error_spp = 0;
-    begin.reset();
-    if (denoising) denoising->start_film();
+    if (sampling.guide) sampling.guide->forget();
+    error.looks = {}, error.last = {}, error.spp = 0;
+    time.begin.reset();
+    if (outputs.denoising) outputs.denoising->start_film();
 }
 
 /// Drivers compile or load kernels when they first run, which does not count as time for samples.
@@ -79,28 +81,28 @@ void Renderer::State::warm_up() {
 
 /// Until the first of both limits is reached; infinite without one.
 double Renderer::State::seconds_left() const {
-    const double left = call_seconds - seconds_since(call_begin);
-    return config.seconds > 0 ? std::min(left, config.seconds - seconds_since(*begin)) : left;
+    const double left = time.call_seconds - seconds_since(time.call_begin);
+    return config.seconds > 0 ? std::min(left, config.seconds - seconds_since(*time.begin)) : left;
 }
 
 /// As many paths as fit in half of the time between two reports. Near a time limit, as fit in half of the remaining
 /// time, because machines slow down without warning. Every pixel gets a sample in any case.
 std::uint32_t Renderer::State::paths_of_next_batch(InFlight& in_flight) const {
     if (parts_take_turns()) return wavefront.capacity();  // copying them takes as long for a few paths
-    if (schedule.complete_passes_spp() == 0) return pace.paths();
+    if (sampling.schedule.complete_passes_spp() == 0) return sampling.pace.paths();
     const double to_report = std::max(1.0, 1e3 * config.report_seconds / 2);
-    const double limit = config.seconds > 0 ? std::min(config.seconds, call_seconds) : call_seconds;
-    if (!std::isfinite(limit)) return pace.paths_within(to_report);
-    const auto left = [&] { return 1e3 * seconds_left() - pace.milliseconds_of(in_flight.paths()); };
+    const double limit = config.seconds > 0 ? std::min(config.seconds, time.call_seconds) : time.call_seconds;
+    if (!std::isfinite(limit)) return sampling.pace.paths_within(to_report);
+    const auto left = [&] { return 1e3 * seconds_left() - sampling.pace.milliseconds_of(in_flight.paths()); };
     const double least = least_milliseconds(limit);
     if (left() < least) in_flight.drain();  // the estimate may be too long
-    return pace.paths_within(std::min(to_report, std::max(left() / 2, least)));
+    return sampling.pace.paths_within(std::min(to_report, std::max(left() / 2, least)));
 }
 
 /// Aiming at hot spots needs the densities of directions without guiding.
 bool Renderer::State::may_guide() const {
     return words_of_guide() > 0 && PathGuide::is_for(config) && config.spp > unguided_spp &&
-           buffers.where.hot_spots == CLARAY_NO_TABLE && !bounds.empty();
+           buffers.where.hot_spots == CLARAY_NO_TABLE && !source.bounds.empty();
 }
 
 std::string Renderer::why_unguided() const {
@@ -114,9 +116,9 @@ std::string Renderer::why_unguided() const {
 
 void Renderer::State::set_bounds(const Scene& scene, bool vertices) {
     if (!may_ever_guide()) return;
-    if (vertices) mesh_bounds = bounds_of_meshes(scene);
-    bounds = bounds_of(scene, mesh_bounds);
-    guide.reset();
+    if (vertices) source.mesh_bounds = bounds_of_meshes(scene);
+    source.bounds = bounds_of(scene, source.mesh_bounds);
+    sampling.guide.reset();
 }
 
 void Renderer::State::trace(const Batch& batch) {
@@ -127,8 +129,8 @@ void Renderer::State::trace(const Batch& batch) {
         wavefront.trace(batch);
         return add(batch);
     }
-    if (!guide) guide.emplace(device, bounds, pixels());
-    guide->trace(batch, config.spp, wavefront, buffers, add);
+    if (!sampling.guide) sampling.guide.emplace(device, source.bounds, pixels());
+    sampling.guide->trace(batch, config.spp, wavefront, buffers, add);
 }
 
 void Renderer::State::trace(const Batch& batch, InFlight& in_flight) {
@@ -138,12 +140,12 @@ void Renderer::State::trace(const Batch& batch, InFlight& in_flight) {
 
 /// A full disk must not end a render of hours: writing is tried again, and the last failure is reported.
 void Renderer::State::save_checkpoint() {
-    const Checkpoint checkpoint{schedule.position(), looks, film.sums()};
+    const Checkpoint checkpoint{sampling.schedule.position(), error.looks, film.sums()};
     try {
-        write_checkpoint(config.checkpoint, identity, checkpoint);
-        checkpoint_error.clear();
-    } catch (const Error& error) {
-        checkpoint_error = error.what();
+        write_checkpoint(config.checkpoint, checkpoints.identity, checkpoint);
+        checkpoints.error.clear();
+    } catch (const Error& failure) {
+        checkpoints.error = failure.what();
     }
 }
 
@@ -152,7 +154,7 @@ void Renderer::State::refuse_with_checkpoints(const char* what) const {
 }
 
 RayCount Renderer::State::rays(const char* name, std::uint64_t count) const {
-    return {count, std::max(0.0, device.profiler().milliseconds(name) - before.at(name))};
+    return {count, std::max(0.0, device.profiler().milliseconds(name) - device_time.of_kernels.at(name))};
 }
 
 RenderProgress Renderer::render(const std::function<bool(const RenderProgress&)>& progress) {
@@ -164,26 +166,26 @@ RenderProgress Renderer::render_for(double seconds, const std::function<bool(con
         throw Error(ErrorKind::usage, "the time to render is not a number", "give seconds, or infinity for no limit");
     State& state = *state_;
     const State::TimeOfCall time(state, seconds);
-    if (!state.begin && state.config.seconds > 0) state.warm_up();
+    if (!state.time.begin && state.config.seconds > 0) state.warm_up();
     state.follow_light();
-    if (!state.begin) state.begin = Clock::now();
-    if (state.first_begin == Clock::time_point()) state.first_begin = *state.begin;
+    if (!state.time.begin) state.time.begin = Clock::now();
+    if (state.time.first_begin == Clock::time_point()) state.time.first_begin = *state.time.begin;
     const bool saves = !state.config.checkpoint.empty();
-    InFlight in_flight(state.device, state.pace);
+    InFlight in_flight(state.device, state.sampling.pace);
     Clock::time_point last_report;  // the epoch, so that the first batch is reported at once
     Clock::time_point last_checkpoint = Clock::now();
     while (!state.target_met()) {
         if (state.better_waits_for_kernels())
             state.wait_for_kernels(in_flight);
         else
-            state.trace(state.schedule.next(state.paths_of_next_batch(in_flight)), in_flight);
+            state.trace(state.sampling.schedule.next(state.paths_of_next_batch(in_flight)), in_flight);
         state.choose_kernels(state.spp() > 0);
         if (saves && seconds_since(last_checkpoint) >= state.config.checkpoint_seconds) {
             state.save_checkpoint();
             last_checkpoint = Clock::now();
         }
-        if (!progress || (!state.error_is_new && seconds_since(last_report) < state.config.report_seconds)) continue;
-        state.error_is_new = false;
+        if (!progress || (!state.error.is_new && seconds_since(last_report) < state.config.report_seconds)) continue;
+        state.error.is_new = false;
         if (!progress(state.measure())) break;
         last_report = Clock::now();
     }
@@ -196,19 +198,19 @@ void Renderer::restart(std::uint32_t seed, unsigned spp, unsigned max_depth) {
     State& state = *state_;
     state.refuse_with_checkpoints("a render that writes checkpoints cannot be restarted");
     state.config.seed = seed;
-    state.wavefront.set_seed(seed);
-    const unsigned wanted = spp == 0 ? state.config.spp : std::min(spp, state.most_spp);
+    state.wavefront.frame().seed = seed;
+    const unsigned wanted = spp == 0 ? state.config.spp : std::min(spp, state.sampling.most_spp);
     if (wanted != state.config.spp) state.config.spp = wanted, state.path_kernel.reset();
-    if (max_depth != 0) state.wavefront.set_max_depth(std::min(max_depth, state.config.max_depth));
-    if (max_depth != 0) state.light_cut_off.reset();
+    if (max_depth != 0) state.wavefront.frame().max_depth = std::min(max_depth, state.config.max_depth);
+    if (max_depth != 0) state.error.cut_off.reset();
     state.discard_samples();
 }
 
 void Renderer::State::extend(unsigned spp) {
     if (config.adaptive) throw Error(claray::ErrorKind::usage, "adaptive sampling cannot be extended", "restart it");
-    config.spp = std::clamp(spp, config.spp, most_spp), path_kernel.reset();
-    schedule.extend(config.spp);
-    begin.reset();
+    config.spp = std::clamp(spp, config.spp, sampling.most_spp), path_kernel.reset();
+    sampling.schedule.extend(config.spp);
+    time.begin.reset();
 }
 
 void Renderer::settle() {
@@ -220,7 +222,7 @@ void Renderer::State::settle() {
     refuse_with_checkpoints("a render that writes checkpoints cannot discard samples");
     discard_samples();
     sample_all_pixels();
-    if (first_pixel_seconds == 0) first_pixel();
+    if (time.first_pixel == 0) first_pixel();
     if (!own_kernels) take_over();
     use_path_kernel(0);
     for (int i = 0; i < 2; ++i) {  // drivers compile kernels again for the size of their groups
@@ -238,15 +240,15 @@ void Renderer::resize(unsigned width, unsigned height) {
     if (state.config.adaptive)
         throw Error(ErrorKind::usage, "a render with adaptive sampling cannot change its size", "make a new renderer");
     if (width == state.config.width && height == state.config.height) return state.discard_samples();
-    state.aovs.reset(), state.gbuffer.reset(), state.denoising.reset(),
-        state.guide.reset();  // before more memory is taken
+    state.outputs.drop_views(), state.outputs.denoising.reset(),
+        state.sampling.guide.reset();  // before more memory is taken
     state.config.width = width, state.config.height = height;
-    state.wavefront.resize(width, height, std::uint64_t(state.pixels()) * state.most_spp);
-    state.look_through(state.camera);
+    state.wavefront.resize(width, height, std::uint64_t(state.pixels()) * state.sampling.most_spp);
+    state.look_through(state.source.camera);
     state.film = Film(state.device, state.pixels(), tells_error(state.config), state.config.sample_clamp);
-    state.pace = Pace(state.first_paths(), state.wavefront.capacity());
+    state.sampling.pace = Pace(state.first_paths(), state.wavefront.capacity());
     state.path_kernel.reset();
-    state.light_cut_off.reset();
+    state.error.cut_off.reset();
     state.discard_samples();
 }
 
@@ -259,6 +261,6 @@ bool Renderer::rebuild(const Bvh::Config& config) {
     return true;
 }
 
-const std::string& Renderer::checkpoint_error() const { return state_->checkpoint_error; }
+const std::string& Renderer::checkpoint_error() const { return state_->checkpoints.error; }
 
 }  // namespace claray

@@ -27,9 +27,9 @@ namespace claray {
 /// In its lifetime compiled programs are not stored on disk; slow ones are not kept in memory either.
 class QuickStart {
 public:
-    explicit QuickStart(const Device& device) : device_(device) { device_.state().store_programs = false; }
+    explicit QuickStart(const Device& device) : device_(device) { state_of(device_).store_programs = false; }
     ~QuickStart() {
-        device_.state().store_programs = true;
+        state_of(device_).store_programs = true;
         forget_slow_programs(device_);
     }
     QuickStart(const QuickStart&) = delete;
@@ -77,6 +77,69 @@ struct CompilerInBackground {
     std::chrono::steady_clock::time_point last_asked;
     bool is_waited_for = false;  ///< now, instead of sampling
     double waited = 0;           ///< seconds
+};
+
+/// What is known of the user's scene.
+struct SourceScene {
+    SceneShape shape = {};
+    Camera camera = {};
+    unsigned parts = 1;  // of the structure
+    std::uint32_t culled = 0;
+    std::vector<Bounds> mesh_bounds = {};  // if paths may be guided
+    Bounds bounds = {};                    // of the scene
+};
+
+/// Which samples are next, and how.
+struct Sampling {
+    AdaptiveSchedule schedule;
+    Pace pace;
+    unsigned most_spp;                    // for which the renderer was made
+    std::optional<PathGuide> guide = {};  // of these samples
+};
+
+/// What a program asked for besides the image. Each is made when it is first asked for.
+struct RenderOutputs {
+    std::optional<ToneMapper> tone_mapper;
+    std::optional<AovStage> aovs;
+    std::optional<GBufferStage> gbuffer;
+    std::optional<DenoisingStage> denoising;
+
+    /// Drops those whose kernels trace the scene.
+    void drop_views() { aovs.reset(), gbuffer.reset(); }
+};
+
+/// The estimates of a render's error.
+struct ErrorEstimates {
+    ErrorLooks looks;
+    Film::Error last;
+    unsigned spp = 0;               // samples per pixel at that time
+    bool is_new = false;            // not reported yet
+    double measuring_seconds = 0;   // for noise and error
+    std::optional<double> cut_off;  // once it was asked for
+};
+
+/// When a renderer was made, when it began, and what it may take.
+struct RenderTimes {
+    using Point = std::chrono::steady_clock::time_point;
+    Point set_up;
+    double set_up_processor = 0, device_before = 0;     // processor seconds and device milliseconds at that time
+    double first_pixel = 0, first_pixel_processor = 0;  // seconds from then on
+    std::optional<Point> begin = {};                    // of the samples
+    Point first_begin = {};                             // of all frames
+    double call_seconds = std::numeric_limits<double>::infinity();  // that this call of Renderer::render_for may take
+    Point call_begin = {};                                          // of that call
+};
+
+/// Device time in milliseconds.
+struct DeviceTimes {
+    double build = 0;                               // of the structure
+    std::map<std::string, double> of_kernels = {};  // before this render
+};
+
+/// What a render needs to write checkpoints.
+struct Checkpoints {
+    RenderIdentity identity;
+    std::string error;  // of the last one
 };
 
 struct Renderer::State {
@@ -143,7 +206,7 @@ struct Renderer::State {
     void plan_round();
     void list_pixels() const;
     /// Samples of all pixels.
-    [[nodiscard]] unsigned spp() const { return unsigned(schedule.samples() / pixels()); }
+    [[nodiscard]] unsigned spp() const { return unsigned(sampling.schedule.samples() / pixels()); }
     [[nodiscard]] RenderProgress measure();
     template <class Measure>
     auto timed(const Measure& measure);
@@ -154,9 +217,9 @@ struct Renderer::State {
     class TimeOfCall {
     public:
         TimeOfCall(State& state, double seconds) : state_(state) {
-            state.call_seconds = seconds, state.call_begin = Clock::now();
+            state.time.call_seconds = seconds, state.time.call_begin = Clock::now();
         }
-        ~TimeOfCall() { state_.call_seconds = std::numeric_limits<double>::infinity(); }
+        ~TimeOfCall() { state_.time.call_seconds = std::numeric_limits<double>::infinity(); }
         TimeOfCall(const TimeOfCall&) = delete;
         TimeOfCall& operator=(const TimeOfCall&) = delete;
 
@@ -176,7 +239,7 @@ struct Renderer::State {
     }
     /// Whether later samples may need to know where the scene is.
     [[nodiscard]] bool may_ever_guide() const {
-        return config.guide && words_of_guide() > 0 && most_spp > unguided_spp;
+        return config.guide && words_of_guide() > 0 && sampling.most_spp > unguided_spp;
     }
     [[nodiscard]] bool may_guide() const;
     /// `vertices`: those of meshes changed.
@@ -186,51 +249,26 @@ struct Renderer::State {
     [[nodiscard]] RayCount rays(const char* name, std::uint64_t count) const;
 
     Device device;
-    SceneShape shape;  // of the user's scene
     RenderConfig config;
-    Camera camera;
-    unsigned most_spp = config.spp;
-    Clock::time_point set_up;
-    unsigned parts;  // of the structure
+    RenderTimes time;
+    SourceScene source;
     KernelPlan plan;
     std::unique_ptr<QuickStart> quick_start;  // until the first pixel is done
-    double set_up_processor;
-    double first_pixel_seconds = 0, first_pixel_processor_seconds = 0;
-    std::uint32_t culled = 0;
     unsigned own_kernels_from = 0;
     bool own_kernels = false;
     std::optional<PathKernelChoice> path_kernel;  // once every pixel was sampled
-    double milliseconds_before;                   // of the device, used before this render
     Structure structure;
-    double build_milliseconds;
+    DeviceTimes device_time;
     std::optional<LightGridStage> light_grid;
-    std::vector<Bounds> mesh_bounds;  // if paths may be guided
-    Bounds bounds;                    // of the scene
     SceneBuffers buffers;
     Wavefront wavefront;
     Film film;
-    std::optional<ToneMapper> tone_mapper;  // once a picture was asked for
-    std::optional<AovStage> aovs;           // once they were asked for
-    std::optional<GBufferStage> gbuffer;
-    std::optional<DenoisingStage> denoising;  // once a denoised image was asked for
-    AdaptiveSchedule schedule;
-    std::optional<PathGuide> guide;  // of these samples
-    Pace pace;
-    RenderIdentity identity;  // for checkpoints
-    std::string checkpoint_error;
-    std::optional<Clock::time_point> begin;
-    double call_seconds = std::numeric_limits<double>::infinity();  // that this call of Renderer::render_for may take
-    Clock::time_point call_begin;                                   // of that call
-    Clock::time_point first_begin;                                  // of all frames
-    double patience = path_kernel_patience(device);                 // seconds of rendering before it may be compiled
-    ErrorLooks looks;                                               // at the error
-    Film::Error last_error;                                         // the last estimate
-    std::optional<double> light_cut_off;                            // once it was asked for
-    unsigned last_error_spp = 0;                                    // samples per pixel at that time
+    RenderOutputs outputs;
+    Sampling sampling;
+    Checkpoints checkpoints;
+    ErrorEstimates error;
+    double patience = path_kernel_patience(device);  // seconds of rendering before it may be compiled
     CompilerInBackground compiler;
-    bool error_is_new = false;             // not reported yet
-    double measuring_seconds = 0;          // for noise and error
-    std::map<std::string, double> before;  // the profiler's times at the start of this render
 };
 
 }  // namespace claray

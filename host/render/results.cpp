@@ -46,7 +46,7 @@ std::span<const std::uint8_t> Renderer::denoised_picture(const PictureConfig& pi
     return state.mapper_of(state.pixels()).map(image, picture);
 }
 
-void Renderer::release_denoiser() { state_->denoising.reset(); }
+void Renderer::release_denoiser() { state_->outputs.denoising.reset(); }
 
 std::vector<float> Renderer::noise_map() const {
     std::vector<float> variances = state_->film.noise_map();
@@ -61,9 +61,9 @@ RenderStatistics Renderer::statistics() const {
     const State& state = *state_;
     const Wavefront::Totals totals = state.wavefront.totals();
     RenderStatistics statistics;
-    statistics.build_milliseconds = state.build_milliseconds;
+    statistics.build_milliseconds = state.device_time.build;
     statistics.bvh = state.structure.statistics();
-    statistics.primitives = std::uint32_t(state.shape.primitives);
+    statistics.primitives = std::uint32_t(state.source.shape.primitives);
     statistics.camera = state.rays(trace_camera_name, totals.camera);
     statistics.bounce = state.rays(trace_bounce_name, totals.bounce);
     statistics.shadow = state.rays(trace_shadow_name, totals.shadow);
@@ -72,10 +72,12 @@ RenderStatistics Renderer::statistics() const {
         for (RayCount* count : {&statistics.camera, &statistics.bounce, &statistics.shadow}) count->milliseconds = 0;
     statistics.device_bytes = buffer_bytes(state.buffers, state.wavefront, state.film);
     const auto add = [&](const auto& stage) { statistics.device_bytes += stage ? stage->bytes() : 0; };
-    add(state.tone_mapper), add(state.aovs), add(state.gbuffer), add(state.denoising), add(state.guide);
+    const RenderOutputs& outputs = state.outputs;
+    add(outputs.tone_mapper), add(outputs.aovs), add(outputs.gbuffer), add(outputs.denoising),
+        add(state.sampling.guide);
     statistics.most_device_bytes = most_bytes_in_use(state.device);
-    statistics.first_pixel_seconds = state.first_pixel_seconds;
-    statistics.first_pixel_processor_seconds = state.first_pixel_processor_seconds;
+    statistics.first_pixel_seconds = state.time.first_pixel;
+    statistics.first_pixel_processor_seconds = state.time.first_pixel_processor;
     statistics.start = state.plan.start;
     statistics.own_kernels = state.own_kernels;
     statistics.own_kernels_from = state.own_kernels_from;
@@ -86,9 +88,9 @@ RenderStatistics Renderer::statistics() const {
     if (const std::shared_ptr<SceneParts>& parts = state.structure.parts())
         statistics.parts = unsigned(parts->parts().size()), statistics.bytes_paged = parts->bytes_paged();
     statistics.dropped_samples = state.film.noise().dropped;
-    statistics.measuring_seconds = state.measuring_seconds;
-    statistics.adapted = state.schedule.has_rounds();
-    statistics.guided = state.guide && state.guide->guides();
+    statistics.measuring_seconds = state.error.measuring_seconds;
+    statistics.adapted = state.sampling.schedule.has_rounds();
+    statistics.guided = state.sampling.guide && state.sampling.guide->guides();
     return statistics;
 }
 
@@ -125,8 +127,8 @@ Aovs Renderer::aovs() const {
 #define CLARAY_TAKE(name, kind, letters, meaning) name.take(),
     Aovs aovs{CLARAY_AOVS(CLARAY_TAKE)};
 #undef CLARAY_TAKE
-    if (!state.shape.numbers.empty())
-        for (std::uint32_t& triangle : aovs.primitive) triangle = state.shape.numbers.number_there(triangle);
+    if (!state.source.shape.numbers.empty())
+        for (std::uint32_t& triangle : aovs.primitive) triangle = state.source.shape.numbers.number_there(triangle);
     return aovs;
 }
 

@@ -32,8 +32,6 @@ FrameData frame_data(const Scene& scene, const Camera& camera, const SceneBuffer
                      const RenderConfig& config) {
     FrameData frame = frame_without_camera(scene, buffers, config);
     frame.camera = camera_data(camera, aspect_of(config));
-    const auto& [reach, radiance] = config.ambient;
-    frame.ambient = {radiance.r, radiance.g, radiance.b, reach};
     return frame;
 }
 
@@ -101,25 +99,21 @@ Renderer::State::State(const Device& on, const Scene& scene, const RenderConfig&
                        std::optional<EffectSet> exactly)
     : device(on),
       config(with_builder(checked(with), on, scene)),
-      camera(camera_of(scene, aspect_of(with))),
-      set_up(Clock::now()),
-      parts(parts_of(on, checked(scene), config)),
-      plan(plan_for(on, scene, exactly ? *exactly : effects_of(scene), config, parts)),
+      time{.set_up = Clock::now(), .set_up_processor = processor_seconds(), .device_before = kernel_milliseconds(on)},
+      source{.camera = camera_of(scene, aspect_of(with)), .parts = parts_of(on, checked(scene), config)},
+      plan(plan_for(on, scene, exactly ? *exactly : effects_of(scene), config, source.parts)),
       quick_start(plan.start == KernelStart::quick ? std::make_unique<QuickStart>(on) : nullptr),
-      set_up_processor(processor_seconds()),
-      milliseconds_before(kernel_milliseconds(on)),
-      structure(first_structure(on, scene, baked, plan, config.bvh, parts)),
-      build_milliseconds(kernel_milliseconds(on) - milliseconds_before),
+      structure(first_structure(on, scene, baked, plan, config.bvh, source.parts)),
+      device_time{.build = kernel_milliseconds(on) - time.device_before},
       light_grid(light_grid_of(with, scene)),
       buffers(on, scene, structure, config.effects.add, selection_of_lights(with), words_of(light_grid),
               words_of_listed_pixels(), words_of_guide()),
-      wavefront(on, buffers, frame_data(scene, camera, buffers, with), load_kernels(plan.first.effects),
+      wavefront(on, buffers, frame_data(scene, source.camera, buffers, with), load_kernels(plan.first.effects),
                 std::uint64_t(pixels()) * with.spp),
       film(on, pixels(), tells_error(with), with.sample_clamp),
-      schedule(new_schedule()),
-      pace(first_paths(), wavefront.capacity()) {
+      sampling{.schedule = new_schedule(), .pace = Pace(first_paths(), wavefront.capacity()), .most_spp = with.spp} {
     for (const char* name : {trace_camera_name, trace_bounce_name, trace_shadow_name, trace_paths_name})
-        before[name] = device.profiler().milliseconds(name);
+        device_time.of_kernels[name] = device.profiler().milliseconds(name);
 }
 
 bool Renderer::State::parts_take_turns() const { return structure.parts() && structure.parts()->take_turns(); }
@@ -132,15 +126,15 @@ std::uint32_t Renderer::State::first_paths() const {
 
 Renderer::Renderer(const Device& device, const Scene& scene, const RenderConfig& config) {
     const KeepCompilers keep;  // for the kernels of the tree and those of the paths
-    const auto state_of = [&](const Scene& wanted) {
+    const auto made_for = [&](const Scene& wanted) {
         if (wanted.instances.empty()) {
             auto state = std::make_shared<State>(device, wanted, config);
-            state->shape = SceneShape(wanted, wanted, {}, {});
+            state->source.shape = SceneShape(wanted, wanted, {}, {});
             return state;
         }
         PlacedScene placed = place_instances(checked(wanted));
         auto state = std::make_shared<State>(device, placed.scene, config, placed.baked);
-        state->shape = SceneShape(wanted, placed.scene, std::move(placed.places), std::move(placed.numbers));
+        state->source.shape = SceneShape(wanted, placed.scene, std::move(placed.places), std::move(placed.numbers));
         return state;
     };
     RenderIdentity identity;
@@ -152,17 +146,17 @@ Renderer::Renderer(const Device& device, const Scene& scene, const RenderConfig&
     const std::optional<Scene> overlapping = with_overlapping_media(checked(scene));
     const Scene& separate = overlapping ? *overlapping : scene;
     state_ =
-        config.effects.remove.empty() ? state_of(separate) : state_of(without_effects(separate, config.effects.remove));
+        config.effects.remove.empty() ? made_for(separate) : made_for(without_effects(separate, config.effects.remove));
     state_->set_bounds(scene, true);
-    state_->identity = identity;
+    state_->checkpoints.identity = identity;
     if (!from) return;
-    if (!state_->schedule.go_to(from->position))
+    if (!state_->sampling.schedule.go_to(from->position))
         throw Error(ErrorKind::user,
                     "cannot continue from '" + config.resume.string() +
                         "': the file is damaged: its position is outside the image",
                     "render from the start");
     state_->list_pixels();
-    state_->looks = from->looks;
+    state_->error.looks = from->looks;
     state_->film.set_sums(from->sums);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "host/bvh/bvh_state.hpp"
+#include "host/bvh/host_tree.hpp"
 #include "host/bvh/instances_state.hpp"
 #include "host/compute/memory.hpp"
 #include "host/lights/lights.hpp"
@@ -56,7 +57,7 @@ BottomLevels build_bottoms(const Scene& scene, std::size_t baked, const Build& b
         levels.of_meshes.resize(i + count, std::uint32_t(levels.bvhs.size()));
         levels.first_triangles.push_back(triangles);
         levels.bvhs.push_back(build(std::span(scene.meshes).subspan(i, count)));
-        const BvhHeader header = levels.bvhs.back().header();
+        const BvhHeader header = state_of(levels.bvhs.back()).read_header();
         add_to(levels.statistics, levels.bvhs.back(), header);
         levels.empty.push_back(header.valid == 0);
         for (std::size_t end = i + count; i < end; ++i) triangles += std::uint32_t(scene.meshes[i].triangles.size());
@@ -103,7 +104,7 @@ Structure::Structure(const Device& device, const Scene& scene, std::size_t baked
         return;
     }
     const auto build = [&](std::span<const Mesh> meshes) {
-        return by_host ? Bvh::build_by_host(device, meshes, config) : Bvh::build(device, meshes, config);
+        return by_host ? build_by_host(device, meshes, config) : Bvh::build(device, meshes, config);
     };
     if (scene.instances.empty()) {
         bvh_ = build(scene.meshes);
@@ -117,7 +118,7 @@ Structure::Structure(const Device& device, const Scene& scene, std::size_t baked
     if (!placed.any_moves) placed.ends.clear();
     const InstancedBvh::Config top = config_of_top(config);
     if (by_host)
-        instanced_ = InstancedBvh::build_by_host(levels.bvhs, placed.begins, placed.ends, top);
+        instanced_ = build_by_host(levels.bvhs, placed.begins, placed.ends, top);
     else
         instanced_ = placed.any_moves ? InstancedBvh::build(levels.bvhs, placed.begins, placed.ends, top)
                                       : InstancedBvh::build(levels.bvhs, placed.begins, top);
@@ -161,11 +162,11 @@ void Structure::set_cutouts(const Buffer<std::uint32_t>& store) {
     if (parts_)
         parts_->set_cutouts(store);
     else
-        instanced_ ? instanced_->set_cutouts(store) : bvh_.set_cutouts(store);
+        instanced_ ? state_of(*instanced_).set_cutouts(store) : state_of(bvh_).set_cutouts(store);
 }
 
 void Structure::check_placed() const {
-    const std::uint32_t culled = instanced_->top().header().culled;
+    const std::uint32_t culled = state_of(instanced_->top()).read_header().culled;
     if (culled <= empty_instances_) return;
     throw Error(ErrorKind::user,
                 std::to_string(culled - empty_instances_) + " of " + std::to_string(instanced_->instance_count()) +
@@ -182,7 +183,7 @@ void Structure::move_vertices(std::size_t first, std::span<const glm::vec3> posi
 
 void Structure::follow_vertices() {
     bvh_.refit();
-    if (bvh_.should_rebuild()) bvh_.rebuild();
+    if (should_rebuild(bvh_)) bvh_.rebuild();
 }
 
 void Structure::move_instances(std::span<const std::pair<std::uint32_t, MeshInstance>> moved) {
@@ -225,7 +226,7 @@ Structure Structure::rebuilt(const Bvh::Config& config) const {
     std::vector<Bvh> bottoms;
     for (const Bvh& bvh : by_host_) {
         bottoms.push_back(Bvh::build(device(), bvh.triangles(), config));
-        add_to(other.bottoms_, bottoms.back(), bottoms.back().header());
+        add_to(other.bottoms_, bottoms.back(), state_of(bottoms.back()).read_header());
     }
     other.instanced_ = InstancedBvh::build(bottoms, instanced_->instances(), instanced_->ends(), config_of_top(config));
     return other;
@@ -234,10 +235,10 @@ Structure Structure::rebuilt(const Bvh::Config& config) const {
 std::uint64_t Structure::bytes() const {
     std::uint64_t bytes = buffer_bytes(triangles_);
     if (parts_) bytes += parts_->bytes();
-    if (instanced_) bytes += instanced_->state().bytes();
-    if (!instanced_ && !parts_) bytes += bvh_.state().bytes();
+    if (instanced_) bytes += state_of(*instanced_).bytes();
+    if (!instanced_ && !parts_) bytes += state_of(bvh_).bytes();
     if (by_host_.size() > 1)
-        for (const Bvh& bvh : by_host_) bytes += buffer_bytes(bvh.triangles()) + bvh.state().bytes();
+        for (const Bvh& bvh : by_host_) bytes += buffer_bytes(bvh.triangles()) + state_of(bvh).bytes();
     return bytes + (primitives_ ? primitives_->device_bytes() : 0);
 }
 
@@ -270,7 +271,7 @@ void Structure::bind(Kernel& kernel, unsigned& index) const {
     if (instanced_) {
         kernel.set(index, arg("instances", instanced_->instances()));
         kernel.set(index, arg("instance_ends", instanced_->ends()));
-        kernel.set(index, instanced_->placed());
+        kernel.set(index, state_of(*instanced_).placed);
     }
     if (primitives_) kernel.set(index, arg("primitive_store", primitives_->store()));
 }

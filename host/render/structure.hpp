@@ -8,6 +8,7 @@
 
 #include "claray/instances.hpp"
 #include "claray/shared/path.h"
+#include "host/bvh/bvh_state.hpp"
 #include "host/primitives/scene_primitives.hpp"
 #include "host/scene/placement.hpp"
 #include "host/trace/instance_query.hpp"
@@ -21,7 +22,7 @@ class SceneParts;
 class Structure {
 public:
     Structure() = default;
-    /// `baked` as in PlacedScene; `by_host`: see Bvh::build_by_host and InstancedBvh::build_by_host. `parts`: the trees
+    /// `baked` as in PlacedScene; `by_host`: see build_by_host (host/bvh). `parts`: the trees
     /// are split into so many parts, which take turns on the device if its memory is too small for all. Throws
     /// ErrorKind::user if an instance cannot be placed.
     Structure(const Device& device, const Scene& scene, std::size_t baked, const Bvh::Config& config,
@@ -33,7 +34,7 @@ public:
     void follow_vertices();
     /// Loads the kernels of `follow_vertices`.
     void prepare_to_follow() {
-        if (!instanced_ && !parts_) bvh_.prepare_refit();
+        if (!instanced_ && !parts_) state_of(bvh_).load_refit();
     }
     /// For a tree of trees: replaces the transforms of instances, by their index in the scene of the constructor, and
     /// rebuilds the top level. Throws ErrorKind::user as the constructor does; the structure is then unchanged.
@@ -56,7 +57,7 @@ public:
     [[nodiscard]] bool is_one_binary_tree() const {
         return !instanced_ && !parts_ && !primitives_ && bvh_.layout() == Layout::binary;
     }
-    /// See Bvh::set_cutouts.
+    /// See Bvh::State::set_cutouts.
     void set_cutouts(const Buffer<std::uint32_t>& store);
     [[nodiscard]] bool moves() const { return instanced_ && instanced_->ends().allocated(); }
     /// For one tree; for a tree of trees: triangles and bytes of all levels, the largest height that a ray descends,
@@ -65,7 +66,9 @@ public:
     /// Of all buffers, the triangles' and those for rebuilding among them.
     [[nodiscard]] std::uint64_t bytes() const;
     /// Number of culled triangles.
-    [[nodiscard]] std::uint32_t culled() const { return instanced_ || parts_ ? bottoms_.culled : bvh_.header().culled; }
+    [[nodiscard]] std::uint32_t culled() const {
+        return instanced_ || parts_ ? bottoms_.culled : state_of(bvh_).read_header().culled;
+    }
     /// Macros of kernels that read hits.
     [[nodiscard]] Defines defines() const;
     /// Binds INSTANCE_PARAMETERS of shade/instance.clh and PRIMITIVE_PARAMETERS of shade/scene.clh.

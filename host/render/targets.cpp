@@ -28,7 +28,7 @@ auto Renderer::State::timed(const Measure& measure) {
     batches.wait();
     const Clock::time_point before_it = Clock::now();
     const auto measured = measure();
-    measuring_seconds += seconds_since(before_it);
+    error.measuring_seconds += seconds_since(before_it);
     return measured;
 }
 
@@ -38,28 +38,28 @@ RenderProgress Renderer::State::measure() {
     progress.spp_target = config.spp;
     const Film::Noise noise = timed([&] { return film.noise(); });
     progress.noise = noise.relative * noise_over_halves();
-    progress.error = last_error.estimate, progress.error_bound = last_error.bound;
-    progress.error_spp = last_error_spp, progress.cut_off = light_cut_off.value_or(0);
+    progress.error = error.last.estimate, progress.error_bound = error.last.bound;
+    progress.error_spp = error.spp, progress.cut_off = error.cut_off.value_or(0);
     progress.own_kernels = own_kernels;
     progress.waits_for_kernels = compiler.is_waited_for;
     progress.dropped_samples = noise.dropped;
-    progress.culled = culled;
-    progress.seconds = begin ? seconds_since(*begin) : 0;
+    progress.culled = source.culled;
+    progress.seconds = time.begin ? seconds_since(*time.begin) : 0;
     return progress;
 }
 
 bool Renderer::State::target_met() {
     if (limit_reached()) return true;
     plan_round();
-    return schedule.finished();
+    return sampling.schedule.finished();
 }
 
 /// Noise is tested only between passes, so that the stopping point does not depend on time.
 bool Renderer::State::limit_reached() {
-    if (schedule.finished()) return true;
-    const unsigned spp = schedule.complete_passes_spp();
+    if (sampling.schedule.finished()) return true;
+    const unsigned spp = sampling.schedule.complete_passes_spp();
     if (spp > 0 && seconds_left() <= 0) return true;
-    if (!schedule.between_passes()) return false;
+    if (!sampling.schedule.between_passes()) return false;
     if (config.error > 0 && error_met()) return true;
     if (!(config.noise > 0) || spp < least_spp_for_noise) return false;
     const double noise = timed([&] { return film.noise(); }).relative * noise_over_halves();
@@ -68,35 +68,35 @@ bool Renderer::State::limit_reached() {
 
 /// Plans the next round of adaptive sampling, if one is due.
 void Renderer::State::plan_round() {
-    if (!schedule.wants_plan()) return;
-    schedule.plan(timed([&] { return film.worth_of_samples(config.width); }));
+    if (!sampling.schedule.wants_plan()) return;
+    sampling.schedule.plan(timed([&] { return film.gain_per_sample(config.width); }));
     list_pixels();
 }
 
 void Renderer::State::list_pixels() const {
-    const AdaptiveSchedule::Round& round = schedule.round();
-    if (schedule.in_round()) buffers.list_pixels(round.halves, round.unit, config.width, config.height);
+    const AdaptiveSchedule::Round& round = sampling.schedule.round();
+    if (sampling.schedule.in_round()) buffers.list_pixels(round.halves, round.unit, config.width, config.height);
 }
 
 /// Called between passes; the next pass ends no later than the next look.
 bool Renderer::State::error_met() {
-    const unsigned spp = schedule.complete_passes_spp();
+    const unsigned spp = sampling.schedule.complete_passes_spp();
     const double noise = error_left_to_noise();
-    if (spp >= looks.next(noise)) {
+    if (spp >= error.looks.next(noise)) {
         look_at_error(spp);
-        if (last_error.bound > 0 && last_error.bound <= config.error) return true;
+        if (error.last.bound > 0 && error.last.bound <= config.error) return true;
     }
-    const std::uint32_t next = looks.next(noise);
-    if (next > spp) schedule.limit_pass(next - spp);
+    const std::uint32_t next = error.looks.next(noise);
+    if (next > spp) sampling.schedule.limit_pass(next - spp);
     return false;
 }
 
 void Renderer::State::look_at_error(unsigned spp) {
-    last_error_spp = spp, error_is_new = true;
-    last_error = timed([&] { return film.error(looks, spp); });
-    if (last_error.bound > 0) {
-        last_error.estimate = std::hypot(last_error.estimate, cut_off());
-        last_error.bound = std::hypot(last_error.bound, cut_off());
+    error.spp = spp, error.is_new = true;
+    error.last = timed([&] { return film.error(error.looks, spp); });
+    if (error.last.bound > 0) {
+        error.last.estimate = std::hypot(error.last.estimate, cut_off());
+        error.last.bound = std::hypot(error.last.bound, cut_off());
         return;
     }
     if (spp < spp_that_see_light) return;
@@ -112,8 +112,8 @@ double Renderer::State::noise_over_halves() const {
 
 /// Does not depend on the samples or the seed.
 double Renderer::State::cut_off() {
-    if (!light_cut_off) light_cut_off = timed([&] { return wavefront.cut_off(); });
-    return *light_cut_off;
+    if (!error.cut_off) error.cut_off = timed([&] { return wavefront.cut_off(); });
+    return *error.cut_off;
 }
 
 /// Cut-off light is missing from every pixel: if it alone reaches the error target, no noise is allowed.

@@ -110,12 +110,13 @@ void Renderer::State::rebuild_scene(const Scene& scene) {
         placed.scene = scene;
     else
         placed = place_instances(scene);
-    structure = Structure(device, placed.scene, placed.baked, with_layout(config.bvh, plan.last.layout), false, parts);
+    structure =
+        Structure(device, placed.scene, placed.baked, with_layout(config.bvh, plan.last.layout), false, source.parts);
     light_grid = light_grid_of(config, placed.scene);
     buffers = SceneBuffers(device, placed.scene, structure, config.effects.add, selection_of_lights(config),
                            words_of(light_grid), words_of_listed_pixels(), words_of_guide());
     set_bounds(scene, true);
-    shape = SceneShape(scene, placed.scene, std::move(placed.places), std::move(placed.numbers));
+    source.shape = SceneShape(scene, placed.scene, std::move(placed.places), std::move(placed.numbers));
     wavefront.replace_scene(buffers);
     plan = plan_kernels(device, buffers.effects, config);
     own_kernels = true;
@@ -126,15 +127,15 @@ void Renderer::State::rebuild_scene(const Scene& scene) {
 bool Renderer::State::move_vertices(const Scene& scene, bool all) {
     std::vector<std::pair<Mesh, std::size_t>> moved;  // and their first vertices
     const auto add = [&](const Mesh& mesh, const glm::mat4& transform, std::uint32_t index) {
-        moved.emplace_back(transformed(mesh, transform), shape.first_vertices[index]);
+        moved.emplace_back(transformed(mesh, transform), source.shape.first_vertices[index]);
         return mesh.tangents.empty() && survives_baking(mesh, transform);
     };
     if (scene.instances.empty())
         for (std::uint32_t i = 0; i < scene.meshes.size(); ++i)
             if (!add(scene.meshes[i], glm::mat4(1.f), i)) return false;
     for (std::size_t i = 0; i < scene.instances.size(); ++i) {
-        const MeshInstance &now = scene.instances[i], &before = shape.instances[i];
-        const InstancePlace place = shape.places[i];
+        const MeshInstance &now = scene.instances[i], &before = source.shape.instances[i];
+        const InstancePlace place = source.shape.places[i];
         if (place.index == CLARAY_MISS || (!all && same(now, before))) continue;
         if (moves(now) || now.mesh != before.mesh || is_mirror(now.transform) != is_mirror(before.transform))
             return false;
@@ -152,8 +153,8 @@ bool Renderer::State::move_vertices(const Scene& scene, bool all) {
 bool Renderer::State::move_instances(const Scene& scene) {
     std::vector<std::pair<std::uint32_t, MeshInstance>> moved;
     for (std::size_t i = 0; i < scene.instances.size(); ++i) {
-        const MeshInstance &now = scene.instances[i], &before = shape.instances[i];
-        const InstancePlace place = shape.places[i];
+        const MeshInstance &now = scene.instances[i], &before = source.shape.instances[i];
+        const InstancePlace place = source.shape.places[i];
         if (same(now, before) || place.index == CLARAY_MISS) continue;
         if (place.baked || now.mesh != before.mesh || (moves(now) && !structure.moves())) return false;
         moved.emplace_back(place.index, now);
@@ -168,7 +169,7 @@ void Renderer::State::move(const Scene& scene, const SceneChanges& changes) {
         !structure.parts() && (structure.instanced() ? !changes.vertices && !shines && move_instances(scene)
                                                      : move_vertices(scene, changes.vertices));
     if (!moved) return rebuild_scene(scene);
-    if (changes.instances) shape.instances = scene.instances;
+    if (changes.instances) source.shape.instances = scene.instances;
     if (!shines && has_lights(buffers.lights)) buffers.replace_lights(scene);  // hot spots follow surfaces
     if (shines) with_placed(scene, [&](const Scene& placed) { buffers.replace_materials(placed); });
     set_bounds(scene, changes.vertices);
@@ -176,7 +177,7 @@ void Renderer::State::move(const Scene& scene, const SceneChanges& changes) {
 
 void Renderer::State::update(const Scene& scene, const SceneChanges& changes) {
     if (changes.camera && scene.camera) look_through(*scene.camera);
-    if (changes.sky) wavefront.set_sky(sky_data(scene));
+    if (changes.sky) wavefront.frame().sky = sky_data(scene);
     if (changes.instances || changes.vertices) move(scene, changes);
     EffectSet effects = with_parts(buffers.effects, scene, changes);
     if (changes.materials) {
@@ -197,11 +198,11 @@ void Renderer::State::update(const Scene& scene, const SceneChanges& changes) {
 void Renderer::update(const Scene& scene, const SceneChanges& changes) {
     State& state = *state_;
     state.refuse_with_checkpoints("a scene cannot change while checkpoints are written");
-    check_changes(scene, changes, state.shape);
+    check_changes(scene, changes, state.source.shape);
     const EffectSet removed = state.config.effects.remove;
     removed.empty() ? state.update(scene, changes) : state.update(without_effects(scene, removed), changes);
-    state.light_cut_off.reset();
-    if (state.denoising) state.denoising->follow(state.buffers, changes);
+    state.error.cut_off.reset();
+    if (state.outputs.denoising) state.outputs.denoising->follow(state.buffers, changes);
     state.discard_samples();
 }
 

@@ -96,8 +96,6 @@ public:
     void follow_paths(Kernel kernel) { path_kernel_ = std::move(kernel); }
     /// Switches to other buffers of the scene, from the next batch on.
     void replace_scene(const SceneBuffers& scene);
-    void set_sky(const SkyData& sky) { frame_.sky = sky; }
-    void set_camera(const CameraData& camera) { frame_.camera = camera; }
     /// For images of another size, seen by the camera that is set next. `most_paths` of a render.
     void resize(std::uint32_t width, std::uint32_t height, std::uint64_t most_paths);
     [[nodiscard]] EffectSet kernel_effects() const { return kernels_.effects; }
@@ -108,17 +106,12 @@ public:
     /// Makes one kernel follow the last paths of a batch to their ends, until `take_over`. The radiance is the same bit
     /// for bit.
     void finish_paths(Kernel kernel) { finish_kernel_ = std::move(kernel); }
-    /// For all later batches.
-    void set_seed(std::uint32_t seed) { frame_.seed = seed; }
-    void set_max_depth(std::uint32_t depth) { frame_.max_depth = depth; }
     /// Traces the paths of a batch of at most `capacity()`; asynchronous. Their radiance is in `radiance()`.
     void trace(const Batch& batch);
     /// The same for paths that begin at points of surfaces, one per pixel of the batch. The points are treated as white
     /// Lambertians without emission, whatever their material.
     void trace_from(const Buffer<Hit>& points, const Batch& batch);
     [[nodiscard]] const Buffer<float>& radiance() const { return radiance_; }
-    /// For all later batches, which the stages trace; of kernels that know a path guide.
-    void set_guide(const PathGuideData& guide) { frame_.guide = guide; }
     /// Floats of each path in `radiance()`, without the lessons of a path guide.
     [[nodiscard]] std::uint32_t floats_of_paths() const;
     /// For PathTask::light_grid: finds out which probes the parts of cells see. Asynchronous.
@@ -134,6 +127,9 @@ public:
     /// First hits of rays through pixel centres; asynchronous.
     void trace_centers(const Batch& batch, SceneQuery& trace);
     [[nodiscard]] const Buffer<Ray>& rays() const { return rays_[0]; }
+    /// What all later batches see. Its size is that of the last `resize`; its guide is for the stages of kernels that
+    /// know one.
+    [[nodiscard]] FrameData& frame() { return frame_; }
     [[nodiscard]] const FrameData& frame() const { return frame_; }
     /// `limit`: an upper limit of the rays in the queue.
     [[nodiscard]] Step step_of(const Batch& batch, std::uint32_t depth, std::uint32_t limit) const;

@@ -166,7 +166,7 @@ void Dealer::set_limit(std::uint32_t samples) {
 
 std::uint32_t Dealer::least() const { return done_counts_.empty() ? ~0u : done_counts_.begin()->first; }
 
-/// Schedule has the same passes: 1, 1, 2, 4, 8 ... samples per pixel.
+/// PassSchedule has the same passes: 1, 1, 2, 4, 8 ... samples per pixel.
 std::uint32_t Dealer::end_of_pass(std::uint32_t samples) const {
     std::uint64_t end = 1;
     while (end < samples && end < largest_pass_) end *= 2;

@@ -38,7 +38,7 @@ struct PixelRun {
 class Dealer {
 public:
     /// `runs` cover all pixels of the image; the caller knows the sums of those that have samples. Passes grow as in
-    /// Schedule, up to `largest_pass` samples per pixel. `bands`: about this many.
+    /// PassSchedule, up to `largest_pass` samples per pixel. `bands`: about this many.
     Dealer(const std::vector<PixelRun>& runs, std::uint32_t largest_pass, std::uint32_t bands = 4096);
 
     /// Adds a worker and returns its number. Its first piece has `first_paths` paths, and none has more than

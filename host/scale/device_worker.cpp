@@ -62,14 +62,14 @@ Film::SumsSpan DeviceWorker::read_sums(std::uint32_t first, std::uint32_t pixels
     if (!staging_ || staging_->pixels() < pixels)
         staging_.emplace(&device_, pixels, tells_error(config_), Film::Sums());
     const Film::SumsSpan sums = staging_->at(0, pixels);
-    renderer_->state().film.read_sums(sums, first);
+    state_of(*renderer_).film.read_sums(sums, first);
     return sums;
 }
 
 /// Seconds for the sums of a pixel from this device to the group, while another one takes those before: the least of
 /// some copies, since the first one allocates, and others may be interrupted.
 double DeviceWorker::measure_handover() {
-    const std::uint32_t pixels = std::min(renderer_->state().pixels(), pixels_of_trial);
+    const std::uint32_t pixels = std::min(state_of(*renderer_).pixels(), pixels_of_trial);
     const GroupSums some(nullptr, pixels, tells_error(config_), {});
     double least = 1e9;
     for (int copy = 0; copy < 4; ++copy) {
@@ -87,13 +87,13 @@ void DeviceWorker::set_up() {
     std::unique_lock lock(processor, std::defer_lock);
     if (device_.info().type == DeviceType::cpu) lock.lock();
     renderer_.emplace(device_, scene_, config_);
-    Renderer::State& state = renderer_->state();
+    Renderer::State& state = state_of(*renderer_);
     state.wavefront.make_room(state.wavefront.capacity());  // an H200 takes 5 ms for it
     state.warm_up();
     state.follow_light();
     device_.finish();
     const double handover = shared_ == nullptr ? 0 : measure_handover();
-    state.begin = state.first_begin = Clock::now();
+    state.time.begin = state.time.first_begin = Clock::now();
     const std::uint32_t first = state.first_paths();
     inbox_.post({number_, Report::Kind::ready, first,
                  state.parts_take_turns() ? first : most_batches * state.wavefront.capacity(), handover});
@@ -118,7 +118,7 @@ void DeviceWorker::run() {
 /// One order after the other: while a batch is traced, the host reads how many rays are left, so that the next order
 /// would delay the report of this one, which tells its speed, until its own end.
 void DeviceWorker::carry_out(const Job& job) {
-    Film& film = renderer_->state().film;
+    Film& film = state_of(*renderer_).film;
     const Batch& batch = job.order.batch;
     if (job.order.kind == Order::Kind::render) {
         if (job.order.brings_sums && shared_ != nullptr)
@@ -138,7 +138,7 @@ void DeviceWorker::carry_out(const Job& job) {
 
 /// In batches for which the renderer has room; each pixel's samples in their order.
 void DeviceWorker::render(const Batch& all) {
-    Renderer::State& state = renderer_->state();
+    Renderer::State& state = state_of(*renderer_);
     PendingBatches left({all});
     while (!left.empty()) state.trace(left.next(state.wavefront.capacity()));
     samples_ += std::uint64_t(all.pixels) * all.samples;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "claray/scale/render_group.hpp"
+#include "host/compute/state_of.hpp"
 #include "host/render/checkpoint/checkpoint.hpp"
 #include "host/scale/device_worker.hpp"
 

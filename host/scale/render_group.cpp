@@ -42,7 +42,7 @@ void put(std::vector<PixelRun>& runs, std::uint32_t pixels, std::uint32_t sample
 
 /// Samples of each pixel at the position of a checkpoint.
 std::vector<PixelRun> runs_of(const Checkpoint& from, std::uint32_t pixels) {
-    const Schedule::Position& at = from.position.at;
+    const PassSchedule::Position& at = from.position.at;
     std::vector<PixelRun> runs;
     if (from.position.pending.empty()) {
         put(runs, at.pixel, at.done + at.pass);
@@ -110,8 +110,9 @@ void RenderGroup::State::wait_for_lead() {
 /// The lead's room for paths limits the passes as on a single device.
 void RenderGroup::State::begin_dealing() {
     wait_for_lead();
-    const Renderer::State& state = lead().renderer().state();
-    dealer.emplace(runs_of(start, state.pixels()), Schedule::longest_pass(state.pixels(), state.wavefront.capacity()),
+    const Renderer::State& state = state_of(lead().renderer());
+    dealer.emplace(runs_of(start, state.pixels()),
+                   PassSchedule::longest_pass(state.pixels(), state.wavefront.capacity()),
                    std::max(4096u, 16 * std::uint32_t(members.size())));
     for (Member& member : members)
         if (member.is_ready && !member.has_failed) join_dealing(member);
@@ -141,7 +142,7 @@ double RenderGroup::State::seconds_left() const {
 /// first.
 std::uint32_t RenderGroup::State::first_limit() const {
     if (!has_targets()) return config.spp;
-    const Schedule::Position& at = start.position.at;
+    const PassSchedule::Position& at = start.position.at;
     const bool within = at.pixel != 0 || at.sample != 0;
     return std::max(1u, at.done + (within ? at.pass : 0));
 }
@@ -150,14 +151,14 @@ std::uint32_t RenderGroup::State::first_limit() const {
 bool RenderGroup::State::raise_limit() {
     const std::uint32_t done = dealer->limit();
     if (!has_targets()) return done < config.spp;
-    Renderer::State& state = lead().renderer().state();
-    state.looks = looks, state.begin = begin;
-    state.schedule = state.new_schedule();
-    (void)state.schedule.go_to({{done, 0, 0, 0}, {}});
+    Renderer::State& state = state_of(lead().renderer());
+    state.error.looks = looks, state.time.begin = begin;
+    state.sampling.schedule = state.new_schedule();
+    (void)state.sampling.schedule.go_to({{done, 0, 0, 0}, {}});
     const bool met = state.target_met();
-    looks = state.looks, measured = state.measure();
+    looks = state.error.looks, measured = state.measure();
     if (met) return false;
-    dealer->set_limit(done + state.schedule.pass_samples());
+    dealer->set_limit(done + state.sampling.schedule.pass_samples());
     return true;
 }
 
@@ -196,10 +197,10 @@ bool RenderGroup::State::show(const Progress& progress) {
     if (!progress || !lead_has_begun || seconds_since(last_shown) < config.report_seconds) return true;
     last_shown = Clock::now();
     RenderProgress so_far = measured;
-    const Renderer::State& state = lead().renderer().state();
+    const Renderer::State& state = state_of(lead().renderer());
     so_far.spp = unsigned(dealer->samples() / state.pixels()), so_far.spp_target = config.spp;
     so_far.seconds = seconds_since(*begin);
-    so_far.culled = state.culled;
+    so_far.culled = state.source.culled;
     return progress(so_far);
 }
 
@@ -355,7 +356,7 @@ bool RenderGroup::State::fill_film() {
             const std::uint32_t pixels = std::min(pixels_at_once, run.pixels - at);
             wait_for_orders(run.first + at, pixels);
             if (failures() != failed) return false;
-            lead().renderer().state().film.set_sums(sums.at(run.first + at, pixels), run.first + at);
+            state_of(lead().renderer()).film.set_sums(sums.at(run.first + at, pixels), run.first + at);
         }
     return true;
 }
@@ -379,9 +380,9 @@ AdaptiveSchedule::Position position_after(const std::vector<PixelRun>& runs, con
 
 /// The lead's renderer is left as if it had rendered all samples.
 RenderProgress RenderGroup::State::hand_over() {
-    Renderer::State& state = lead().renderer().state();
-    (void)state.schedule.go_to(position_after(dealer->rendered(), *dealer, looks.spp));
-    state.looks = looks, state.begin = begin;
+    Renderer::State& state = state_of(lead().renderer());
+    (void)state.sampling.schedule.go_to(position_after(dealer->rendered(), *dealer, looks.spp));
+    state.error.looks = looks, state.time.begin = begin;
     RenderProgress progress = state.measure();
     if (dealer->least() == 0) progress.spp = 0;  // no whole image
     return progress;

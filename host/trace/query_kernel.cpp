@@ -2,13 +2,14 @@
 
 #include <algorithm>
 
+#include "host/bvh/bvh_state.hpp"
 #include "host/compute/device_state.hpp"
 #include "host/compute/tuning.hpp"
 
 namespace claray {
 
 const cl::Buffer& ray_queue(const Device& device) {
-    std::shared_ptr<cl::Buffer>& queue = device.state().ray_queue;
+    std::shared_ptr<cl::Buffer>& queue = state_of(device).ray_queue;
     if (!queue) {
         queue = detail::allocate(device, 3 * sizeof(std::uint32_t));
         detail::fill_bytes(device, *queue, 0, 3 * sizeof(std::uint32_t));
@@ -22,7 +23,7 @@ Kernel load_order_sample(const Device& device) {
 
 bool in_any_order(Kernel& sample, const Device& device, const Bvh& bvh, const Buffer<Ray>& rays, std::uint32_t count) {
     const cl::Buffer& queue = ray_queue(device);
-    sample.run({1, 1}, bvh.header_buffer(), rays, arg("count", count), arg("queue", queue));
+    sample.run({1, 1}, state_of(bvh).header, rays, arg("count", count), arg("queue", queue));
     std::uint32_t answer = 0;
     detail::read(device, queue, 2 * sizeof answer, &answer, sizeof answer);
     return answer != 0;
@@ -53,7 +54,7 @@ QueryKernel::QueryKernel(const Device& device, const Bvh& bvh, Kind kind, const 
         // A batch is on the stack of the thread that traces it: larger batches, or two at once, could overflow the
         // stack.
         most_in_batch_ = std::min(most_in_batch_, 8192u), group_ = 1;
-        if (bvh.has_cutouts()) {
+        if (state_of(bvh).has_cutouts()) {
             std::erase_if(common, [](const auto& define) { return define.first == "CLARAY_CUTOUTS"; });
             Defines defines = query_defines(triangle_defines(bvh), options);
             defines.emplace_back("GROUP_SIZE", "1");

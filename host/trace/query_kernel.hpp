@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "host/bvh/bvh_state.hpp"
 #include "host/trace/query_options.hpp"
 #include "host/trace/ray_order.hpp"
 
@@ -22,13 +23,13 @@ namespace claray {
 /// Binds only CLARAY_CUTOUTS_PARAMETERS.
 struct CutoutsOf {
     const Bvh& bvh;
-    void bind(Kernel& kernel, unsigned& index) const { bvh.bind_cutouts(kernel, index); }
+    void bind(Kernel& kernel, unsigned& index) const { state_of(bvh).bind_cutouts(kernel, index); }
 };
 
 /// Binds CLARAY_BVH_PARAMETERS of kernels that treat all triangles as solid.
 struct SolidBvh {
     const Bvh& bvh;
-    void bind(Kernel& kernel, unsigned& index) const { bvh.bind_solid(kernel, index); }
+    void bind(Kernel& kernel, unsigned& index) const { state_of(bvh).bind_solid(kernel, index); }
 };
 
 class QueryKernel {
@@ -57,8 +58,8 @@ public:
         const std::size_t rays_per_item = std::max<std::size_t>(batch, rays_per_item_);
         const std::size_t items = std::min((std::size_t(capacity) + rays_per_item - 1) / rays_per_item, most_items_);
         if (options_.brute_force) {
-            kernels_[0].run({items, group_}, bvh_.header_buffer(), bvh_.leaves(), CutoutsOf{bvh_}, rays, results,
-                            capacity, arg("count", count), arg("masks", options_.ray_masks));
+            kernels_[0].run({items, group_}, state_of(bvh_).header, state_of(bvh_).leaves, CutoutsOf{bvh_}, rays,
+                            results, capacity, arg("count", count), arg("masks", options_.ray_masks));
             return;
         }
         const cl::Buffer& queue = ray_queue(*device_);
@@ -77,7 +78,7 @@ public:
 
 private:
     /// Batches do not support cut-outs: rays that met one are traced again, one by one.
-    [[nodiscard]] bool retraces() const { return most_in_batch_ != 0 && bvh_.has_cutouts(); }
+    [[nodiscard]] bool retraces() const { return most_in_batch_ != 0 && state_of(bvh_).has_cutouts(); }
 
     /// Rays per batch: as tuned, but few enough to keep all compute units busy. 0: no batches.
     [[nodiscard]] std::uint32_t batch_size(std::uint32_t capacity) const;

@@ -1,4 +1,5 @@
 #include "host/trace/ray_order.hpp"
+#include "host/bvh/bvh_state.hpp"
 
 namespace claray {
 namespace {
@@ -21,7 +22,7 @@ RayOrder::RayOrder(const Device& device, std::uint32_t capacity)
       make_keys_(load_kernel(device, "trace/queue/ray_order.cl", "ray_keys")) {}
 
 const Buffer<std::uint32_t>& RayOrder::sort(const Bvh& bvh, const Buffer<Ray>& rays, std::uint32_t count) {
-    make_keys_.run({(count + rays_per_item - 1) / rays_per_item, 1}, bvh.header_buffer(), rays, count, keys_);
+    make_keys_.run({(count + rays_per_item - 1) / rays_per_item, 1}, state_of(bvh).header, rays, count, keys_);
     sort_.sort(keys_, order_, count);
     return order_;
 }

@@ -104,8 +104,6 @@ struct BvhMemory {
     std::uint64_t largest_buffer = 0;
 };
 
-struct HostTree;
-
 /// A bounding volume hierarchy in device memory. A handle: copies share the structure.
 class Bvh {
 public:
@@ -125,9 +123,9 @@ public:
         ///
         /// Rays are those of closest_hit, any_hit and Query for this Bvh (claray/query.hpp), but not with masks, a
         /// filter, `visits`, `brute_force` or `count`: such queries always trace the first tree. Times need a queue
-        /// with CL_QUEUE_PROFILING_ENABLE. `refit`, `rebuild` and `set_cutouts` return to the first tree for good; they
-        /// wait while the thread reads it. The destructor of the last handle waits for a build. So do not let either
-        /// wait for a user event that the same thread sets later.
+        /// with CL_QUEUE_PROFILING_ENABLE. `refit` and `rebuild` return to the first tree for good; they wait while the
+        /// thread reads it. The destructor of the last handle waits for a build. So do not let either wait for a user
+        /// event that the same thread sets later.
         std::optional<bool> learns = {};
     };
 
@@ -143,13 +141,6 @@ public:
     [[nodiscard]] static Bvh build(const Device& device, const TriangleBuffers& triangles) {
         return build(device, triangles, Config{});
     }
-
-    /// Builds on the host, always in the binary layout. The tree is worse, but no kernel is compiled. A later `rebuild`
-    /// builds on the device with Builder::fast.
-    [[nodiscard]] static Bvh build_by_host(const Device& device, std::span<const Mesh> meshes, const Config& config);
-    /// Uses a tree that was built elsewhere (see host/bvh/host_tree.hpp), in any layout. For comparing builders.
-    [[nodiscard]] static Bvh build_by_host(const Device& device, std::span<const Mesh> meshes, const HostTree& tree,
-                                           const Config& config);
 
     /// Returns the device memory that a build over this many vertices and triangles needs.
     [[nodiscard]] static BvhMemory memory_needed(const Device& device, std::size_t vertices, std::size_t triangles,
@@ -171,65 +162,42 @@ public:
     /// gets worse with more motion. Triangles culled at the last build stay out. Triangles that became NaN cannot be
     /// hit.
     void refit();
-    /// Loads the kernels of `refit` and `cost_growth`, compiling them if necessary, so that the first call does not
-    /// wait.
-    void prepare_refit();
     /// Returns the current SAH cost divided by the SAH cost at the last build: 1 if nothing moved. Computed on the
     /// device in about the time of a refit; blocks.
     [[nodiscard]] double cost_growth() const;
-    /// Returns whether `cost_growth()` is large enough for a rebuild to pay off (Lauterbach et al. 2006, "RT-DEFORM",
-    /// who rebuilt at 40 %).
-    [[nodiscard]] bool should_rebuild(double most_growth = 1.4) const;
-
-    /// Enables cut-outs: rays pass through the transparent parts of triangles. `store` is the texture store that the
-    /// renderer makes from a scene (include/claray/shared/texture.h). All kernels that trace this structure are then
-    /// compiled with cut-outs. Pass an unallocated buffer to disable them.
-    void set_cutouts(const Buffer<std::uint32_t>& store);
-    [[nodiscard]] bool has_cutouts() const;
 
     [[nodiscard]] const TriangleBuffers& triangles() const;
     [[nodiscard]] std::size_t triangle_count() const;
     [[nodiscard]] Layout layout() const;
-    /// Whether a triangle may be in several leaves.
-    [[nodiscard]] bool splits() const;
-    /// Whether queries trace a better tree instead of this one: see Config::learns.
-    [[nodiscard]] bool is_replaced() const;
     [[nodiscard]] const Device& device() const;
 
-    [[nodiscard]] BvhHeader header() const;
     [[nodiscard]] BvhStatistics statistics() const;
-    /// Whether the triangles close: every edge belongs to an even number of them. Edges are the same if the coordinates
-    /// of their ends are. Computed once after a build, rebuild or refit; blocks. An open surface has no inside.
-    [[nodiscard]] bool is_closed() const;
     /// Checks every leaf, box and link on the device. Blocks.
     [[nodiscard]] BvhValidation validate() const;
     /// Returns 32 hexadecimal digits over the binary nodes and the order of the leaves. The hash is equal on all
     /// devices that build the same tree from the same triangles.
     [[nodiscard]] std::string hash() const;
 
-    [[nodiscard]] const Buffer<BvhNode>& nodes() const;
-    [[nodiscard]] const Buffer<LeafTriangle>& leaves() const;
-    [[nodiscard]] const Buffer<WideNode>& wide_nodes() const;
-    [[nodiscard]] const Buffer<TriangleBlock>& wide_blocks() const;
-    [[nodiscard]] const Buffer<BvhHeader>& header_buffer() const;
-
     /// Binds the kernel parameters CLARAY_BVH_PARAMETERS of trace/closest_hit.clh, from `index` on, and advances
     /// `index`.
     void bind(Kernel& kernel, unsigned& index) const;
-    /// As `bind`, for a kernel that treats all triangles as solid and is compiled without CLARAY_CUTOUTS.
-    void bind_solid(Kernel& kernel, unsigned& index) const;
-    /// Binds CLARAY_CUTOUTS_PARAMETERS of trace/ray.clh. Binds nothing if there are no cut-outs.
-    void bind_cutouts(Kernel& kernel, unsigned& index) const;
     /// Returns the macros for compiling a kernel that includes trace/closest_hit.clh for this structure.
     [[nodiscard]] Defines defines() const;
 
-    struct State;
-    [[nodiscard]] State& state() const noexcept { return *state_; }
+    struct State;  ///< not for users
 
 private:
-    friend Bvh build_over_primitives(const Device&, const TriangleBuffers&, const Config&, bool);
-    friend Bvh without_owning(const Bvh&);
+    friend struct Internals;
     std::shared_ptr<State> state_;
 };
+
+/// Returns whether `cost_growth()` is large enough for a rebuild to pay off (Lauterbach et al. 2006, "RT-DEFORM", who
+/// rebuilt at 40 %).
+[[nodiscard]] bool should_rebuild(const Bvh& bvh, double most_growth = 1.4);
+/// Returns whether queries trace a better tree instead of this one: see Bvh::Config::learns.
+[[nodiscard]] bool is_replaced(const Bvh& bvh);
+/// Returns whether the triangles close: every edge belongs to an even number of them. Edges are the same if the
+/// coordinates of their ends are. Computed once after a build, rebuild or refit; blocks. An open surface has no inside.
+[[nodiscard]] bool is_closed(const Bvh& bvh);
 
 }  // namespace claray

@@ -6,6 +6,7 @@
 #include "claray/device.hpp"
 #include "claray/effects.hpp"
 #include "claray/error.hpp"
+#include "claray/image_error.hpp"
 #include "claray/instances.hpp"
 #include "claray/mesh.hpp"
 #include "claray/picture.hpp"
@@ -20,3 +21,4 @@
 #include "claray/query/points.hpp"
 #include "claray/renderer.hpp"
 #include "claray/scene.hpp"
+#include "claray/target.hpp"

@@ -95,10 +95,10 @@ public:
     /// Blocks until all enqueued commands are finished, and passes the measured times to the profiler.
     void finish() const;
 
-    struct State;
-    [[nodiscard]] State& state() const noexcept { return *state_; }
+    struct State;  ///< not for users
 
 private:
+    friend struct Internals;
     explicit Device(std::shared_ptr<State> state) : state_(std::move(state)) {}
     std::shared_ptr<State> state_;
 };

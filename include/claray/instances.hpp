@@ -80,12 +80,6 @@ public:
     [[nodiscard]] static InstancedBvh build(std::span<const Bvh> bottoms, const Buffer<Instance>& instances,
                                             const Buffer<Instance>& ends, const Config& config);
 
-    /// As Bvh::build_by_host: places instances and builds the top level without compiling kernels. If `ends` is empty,
-    /// nothing moves. Throws ErrorKind::usage on a device without float64, since its placements would differ in their
-    /// bits.
-    [[nodiscard]] static InstancedBvh build_by_host(std::span<const Bvh> bottoms, std::span<const Instance> instances,
-                                                    std::span<const Instance> ends, const Config& config);
-
     /// Rebuilds the top level in the same memory after `instances()` or `ends()` has changed. With Builder::fast the
     /// call is asynchronous.
     void rebuild();
@@ -96,16 +90,10 @@ public:
     /// `refit` afterwards.
     void replace_bottoms(std::span<const Bvh> bottoms);
 
-    /// As Bvh::set_cutouts. The `id` of an instance must then be the index, in the store, of the first triangle of its
-    /// structure. A single bottom level receives the store itself.
-    void set_cutouts(const Buffer<std::uint32_t>& store);
-
     /// Device memory of the instances. The host or kernels may write to it.
     [[nodiscard]] const Buffer<Instance>& instances() const;
     /// Device memory of the transforms at time 1. Not allocated if the structure was built without `ends`.
     [[nodiscard]] const Buffer<Instance>& ends() const;
-    /// The instances in the form that traversals read, at time 0.
-    [[nodiscard]] const Buffer<PlacedInstance>& placed() const;
     [[nodiscard]] std::size_t instance_count() const;
     [[nodiscard]] Layout layout() const;  ///< layout of the bottom levels
     [[nodiscard]] const Device& device() const;
@@ -121,10 +109,10 @@ public:
     /// Returns the macros for compiling a kernel that includes trace/traverse_instances.clh for this structure.
     [[nodiscard]] Defines defines() const;
 
-    struct State;
-    [[nodiscard]] State& state() const noexcept { return *state_; }
+    struct State;  ///< not for users
 
 private:
+    friend struct Internals;
     std::shared_ptr<State> state_;
 };
 

@@ -88,6 +88,7 @@ public:
     [[nodiscard]] const std::string& name() const noexcept { return name_; }
 
 private:
+    friend class KernelPool;
     template <class T>
     void bind(unsigned& index, const Argument<T>& argument) {
         name_of_argument_ = argument.name;
@@ -125,6 +126,7 @@ private:
     void enqueue(Range range, unsigned arguments);
 
     std::shared_ptr<Device> device_;
+    std::shared_ptr<const void> lease_;  // of `kernel_`, which is destroyed before it; null: not from a KernelPool
     cl::Kernel kernel_;
     std::string name_;
     std::shared_ptr<const Defines> macros_;  // null: not checked

@@ -82,7 +82,7 @@ public:
 
     [[nodiscard]] const Device& device() const;
 
-    struct State;
+    struct State;  ///< not for users
 
 private:
     std::shared_ptr<State> state_;

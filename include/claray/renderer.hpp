@@ -87,14 +87,6 @@ struct LightGridConfig {
 /// Parses such names. Throws ErrorKind::usage for an unknown one.
 [[nodiscard]] Approximations parse_approximations(const std::string& text);
 
-/// For studies, with kernels compiled for it (`AMBIENT` of kernels/render/shade_hit.clh). Ambient occlusion (Landis
-/// 2002): where a path first meets a rough surface, all light but that of lamps has one constant radiance. Surfaces
-/// within reach block it, and reflect it once with their albedo.
-struct AmbientOcclusion {
-    float reach = 0;
-    glm::vec3 radiance{0};
-};
-
 struct RenderConfig {
     unsigned width = 512, height = 512;  ///< pixels, 1 to 2^14 each
     unsigned spp = 64;                   ///< samples per pixel at which rendering stops, >= 1
@@ -128,7 +120,6 @@ struct RenderConfig {
     EffectOverrides effects = {};     ///< for experiments; effects are derived from the scene
     Approximations approximate = {};  ///< none: the image has no error but noise
     LightGridConfig light_grid = {};  ///< for Approximations::light_grid
-    AmbientOcclusion ambient = {};    ///< for studies
     /// Path of the program `claray`, to compile kernels in the background while other kernels already render; empty:
     /// rendering starts after the scene's own kernels are compiled. The image is the same.
     std::string compiler = {};
@@ -365,10 +356,10 @@ public:
     /// Returns why the last checkpoint could not be written; empty if it was written.
     [[nodiscard]] const std::string& checkpoint_error() const;
 
-    struct State;
-    [[nodiscard]] State& state() const noexcept { return *state_; }
+    struct State;  ///< not for users
 
 private:
+    friend struct Internals;
     std::shared_ptr<State> state_;
 };
 

@@ -112,23 +112,23 @@ static inline uint pixels_of_half(uint half_tile, uint along, uint rows) { retur
 
 #define DARK 0.05f  // of the image's mean: darker pixels count as if they were not
 
-/// What a pixel's samples are worth: its variance over the root of its luminance, both relative to the image's mean. Noise is seen more
+/// What a sample of a pixel gains: its variance over the root of its luminance, both relative to the image's mean. Noise is seen more
 /// easily where the image is dark. Cycles divides by the luminance itself (adaptive sampling, film kernels), which gains less squared error.
-static inline float worth_of(FilmPixel p, float scale) {
+static inline float gain_of(FilmPixel p, float scale) {
     const float brightness = p.count == 0u ? 0.0f : fmax(luminance_sum(p) / (float)p.count * scale, 0.0f);
     return variance_of(p, scale) / sqrt(brightness + DARK);
 }
 
-/// The mean worth of the pixels of each half of a tile; 0 for a half without pixels. Half h of tile t is element 2 t + h.
-kernel void map_worth(global const FilmPixel* film, uint width, uint height, float scale, global float* worth) {
+/// The mean gain of the pixels of each half of a tile; 0 for a half without pixels. Half h of tile t is element 2 t + h.
+kernel void map_gain(global const FilmPixel* film, uint width, uint height, float scale, global float* gain) {
     const uint item = get_global_id(0), half_tile = item % 2u;
     const uint tiles = ((width + CLARAY_TILE_SIDE - 1u) / CLARAY_TILE_SIDE) * ((height + CLARAY_TILE_SIDE - 1u) / CLARAY_TILE_SIDE);
     if (item >= 2u * tiles) return;
     const Tile t = tile_of(item / 2u, width, height);
     float sum = 0.0f;
     for (uint y = 0; y < t.rows; ++y)
-        for (uint x = (y + half_tile) % 2u; x < t.along; x += 2u) sum += worth_of(film[(t.y0 + y) * width + t.x0 + x], scale);
-    worth[item] = sum / (float)max(pixels_of_half(half_tile, t.along, t.rows), 1u);
+        for (uint x = (y + half_tile) % 2u; x < t.along; x += 2u) sum += gain_of(film[(t.y0 + y) * width + t.x0 + x], scale);
+    gain[item] = sum / (float)max(pixels_of_half(half_tile, t.along, t.rows), 1u);
 }
 
 /// Lists the entries of a round of adaptive sampling (Batch) from word `listed` of `tables` on. `halves`: three words each: half of a

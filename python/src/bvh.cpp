@@ -123,13 +123,13 @@ void bind_bvh(nb::module_& module) {
         .def("cost_growth",
              [](const PyBvh& self) { return without_gil(self.device, [&] { return self.bvh.cost_growth(); }); })
         .def("is_closed",
-             [](const PyBvh& self) { return without_gil(self.device, [&] { return self.bvh.is_closed(); }); })
+             [](const PyBvh& self) { return without_gil(self.device, [&] { return is_closed(self.bvh); }); })
         .def("is_valid",
              [](const PyBvh& self) { return without_gil(self.device, [&] { return self.bvh.validate().ok(); }); })
         .def("hash", [](const PyBvh& self) { return without_gil(self.device, [&] { return self.bvh.hash(); }); })
         .def("statistics", &statistics)
         .def("is_replaced",
-             [](const PyBvh& self) { return without_gil(self.device, [&] { return self.bvh.is_replaced(); }); })
+             [](const PyBvh& self) { return without_gil(self.device, [&] { return is_replaced(self.bvh); }); })
         .def("triangle_count", [](const PyBvh& self) { return self.bvh.triangle_count(); })
         .def("device", [](const PyBvh& self) { return self.device; });
 }

@@ -62,7 +62,7 @@ TEST(KeptRenderer, IsDroppedIfAnotherNeedsItsMemory) {
     EXPECT_NE(first.renderer(), nullptr) << "memory for both";
     const std::uint64_t both = bytes_in_use(own);
     // Memory m for one and a half of them beside a third one: 3/4 m = 3/4 both + ample + m / 16.
-    own.state().info.memory = (both / 4 * 3 + ample_bytes_of(box())) * 16 / 11;
+    state_of(own).info.memory = (both / 4 * 3 + ample_bytes_of(box())) * 16 / 11;
     KeptRenderer third(own, box(), small(4));
     (void)third.render(1, 2);
     EXPECT_EQ(first.renderer(), nullptr) << "used longest ago";
@@ -77,10 +77,10 @@ TEST(Rehearsal, HasAsManyThreadsAsItsMemoryAllows) {
     const std::uint64_t one = ample_bytes_of(box());
     EXPECT_EQ(Rehearsal::threads_within_memory(own, box(), 5), 5u);
     for (const auto& [threads, memory] : {std::pair(3u, 10 * one), {2u, 9 * one}}) {  // 5 / 1.625, 4.5 / 1.5625
-        own.state().info.memory = memory;
+        state_of(own).info.memory = memory;
         EXPECT_EQ(Rehearsal::threads_within_memory(own, box(), 5), threads);
     }
-    own.state().info.memory = one;
+    state_of(own).info.memory = one;
     EXPECT_EQ(Rehearsal::threads_within_memory(own, box(), 5), 0u);
 }
 

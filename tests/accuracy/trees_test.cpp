@@ -8,6 +8,7 @@
 #include "host/accuracy/studies/trees/cells.hpp"
 #include "host/accuracy/studies/trees/karras.hpp"
 #include "host/accuracy/study.hpp"
+#include "host/bvh/bvh_state.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/meshes.hpp"
 
@@ -36,12 +37,12 @@ void expect_same_tree(const Mesh& mesh, unsigned max_leaf) {
     EXPECT_EQ(header.inner_nodes, expected.inner_nodes);
     if (expected.valid == 0) return;
     EXPECT_EQ(std::memcmp(&header, &expected, 6 * sizeof(float)), 0) << "bounds";
-    const std::vector<BvhNode> nodes = karras.nodes().read(), expected_nodes = apetrei.nodes().read();
+    const std::vector<BvhNode> nodes = karras.nodes().read(), expected_nodes = state_of(apetrei).nodes.read();
     for (std::uint32_t i = 0; i < expected.inner_nodes; ++i) {
         ASSERT_EQ(is_free(nodes[i]), is_free(expected_nodes[i])) << i;
         ASSERT_TRUE(is_free(nodes[i]) || std::memcmp(&nodes[i], &expected_nodes[i], sizeof(BvhNode)) == 0) << i;
     }
-    const std::vector<LeafTriangle> leaves = karras.leaves().read(), expected_leaves = apetrei.leaves().read();
+    const std::vector<LeafTriangle> leaves = karras.leaves().read(), expected_leaves = state_of(apetrei).leaves.read();
     EXPECT_EQ(std::memcmp(leaves.data(), expected_leaves.data(), expected.valid * sizeof(LeafTriangle)), 0);
 }
 
@@ -89,8 +90,8 @@ TEST(KarrasTree, SplitsFourCodesByTheirHighestDifferingBits) {
 
 std::vector<LeafTriangle> triangles_of(const Mesh& mesh) {
     const Bvh bvh = linear_bvh(mesh, 4);
-    std::vector<LeafTriangle> triangles = bvh.leaves().read();
-    triangles.resize(bvh.header().valid);
+    std::vector<LeafTriangle> triangles = state_of(bvh).leaves.read();
+    triangles.resize(state_of(bvh).read_header().valid);
     return triangles;
 }
 

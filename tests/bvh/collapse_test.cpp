@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "host/bvh/bvh_state.hpp"
 #include "tests/bvh/support.hpp"
 #include "tests/support/meshes.hpp"
 
@@ -48,9 +49,10 @@ TEST(WideBvh, HoldsEveryTriangleOnceInContainingBoxes) {
     for (const std::size_t count : {1u, 2u, 3u, 4u, 5u, 9u, 33u, 1000u, 5003u}) {
         const Bvh bvh = build(soup(count, 0.05f, count), 63, Layout::wide);
         WideCheck check;
-        walk_wide(bvh.wide_nodes().read(), bvh.wide_blocks().read(), 0, Bounds{glm::vec3(-10), glm::vec3(10)}, check);
-        EXPECT_EQ(check.nodes, bvh.header().wide_nodes);
-        EXPECT_EQ(check.blocks, bvh.header().wide_blocks);
+        walk_wide(state_of(bvh).wide_nodes.read(), state_of(bvh).wide_blocks.read(), 0,
+                  Bounds{glm::vec3(-10), glm::vec3(10)}, check);
+        EXPECT_EQ(check.nodes, state_of(bvh).read_header().wide_nodes);
+        EXPECT_EQ(check.blocks, state_of(bvh).read_header().wide_blocks);
         ASSERT_EQ(check.primitives.size(), count);
         for (std::uint32_t i = 0; i < count; ++i) EXPECT_EQ(check.primitives.count(i), 1u);
     }
@@ -60,7 +62,7 @@ TEST(WideBvh, HoldsEveryTriangleOnceInContainingBoxes) {
 TEST(WideBvh, FillsNodesByCost) {
     const Mesh mesh = soup(5003, 0.05f, 3);
     const auto children_per_node = [&](Builder builder) {
-        const BvhHeader header = build(mesh, 63, Layout::wide, builder).header();
+        const BvhHeader header = state_of(build(mesh, 63, Layout::wide, builder)).read_header();
         return double(header.wide_nodes - 1 + header.wide_blocks) / double(header.wide_nodes);
     };
     EXPECT_GT(children_per_node(Builder::binned), 1.25 * children_per_node(Builder::balanced));
@@ -71,14 +73,14 @@ TEST(WideBvh, MarksWhatIsLeftOver) {
     const std::size_t count = 150'000;
     for (const Builder builder : {Builder::fast, Builder::balanced}) {
         const Bvh bvh = build(soup(count, 0.01f, 1), 63, Layout::wide, builder);
-        const std::vector<WideNode> nodes = bvh.wide_nodes().read();
-        const BvhHeader header = bvh.header();
+        const std::vector<WideNode> nodes = state_of(bvh).wide_nodes.read();
+        const BvhHeader header = state_of(bvh).read_header();
         WideCheck check;
-        walk_wide(nodes, bvh.wide_blocks().read(), 0, Bounds{glm::vec3(-10), glm::vec3(10)}, check);
+        walk_wide(nodes, state_of(bvh).wide_blocks.read(), 0, Bounds{glm::vec3(-10), glm::vec3(10)}, check);
         EXPECT_EQ(std::set(check.primitives.begin(), check.primitives.end()).size(), count);
         EXPECT_EQ(check.primitives.size(), count);
         ASSERT_LE(header.wide_nodes, nodes.size());
-        EXPECT_LE(header.wide_blocks, bvh.wide_blocks().size());
+        EXPECT_LE(header.wide_blocks, state_of(bvh).wide_blocks.size());
         std::size_t empty = 0;
         for (std::uint32_t i = 0; i < header.wide_nodes; ++i)
             empty += std::all_of(std::begin(nodes[i].child), std::end(nodes[i].child),
@@ -98,8 +100,8 @@ TEST(WideBvh, NeedsNoMoreThanItsMemory) {
     }
     for (const Mesh& mesh : {equal, line}) {
         const Bvh bvh = build(mesh, 63, Layout::wide);
-        EXPECT_LE(bvh.header().wide_nodes, bvh.wide_nodes().size());
-        EXPECT_LE(bvh.header().wide_blocks, bvh.wide_blocks().size());
+        EXPECT_LE(state_of(bvh).read_header().wide_nodes, state_of(bvh).wide_nodes.size());
+        EXPECT_LE(state_of(bvh).read_header().wide_blocks, state_of(bvh).wide_blocks.size());
     }
 }
 

@@ -1,4 +1,4 @@
-// The tree that the host builds for a first picture: Bvh::build_by_host.
+// The tree that the host builds for a first picture: build_by_host.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "host/bvh/bvh_state.hpp"
+#include "host/bvh/host_tree.hpp"
 #include "tests/bvh/support.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/meshes.hpp"
@@ -14,7 +16,7 @@
 namespace claray::test {
 namespace {
 
-Bvh by_host(std::span<const Mesh> meshes) { return Bvh::build_by_host(device(), meshes, {}); }
+Bvh by_host(std::span<const Mesh> meshes) { return build_by_host(device(), meshes, {}); }
 
 TEST(HostTree, IsValidAndLowAtEverySize) {
     for (const std::size_t count : {0u, 1u, 2u, 3u, 5u, 64u, 257u, 5003u}) {
@@ -22,7 +24,7 @@ TEST(HostTree, IsValidAndLowAtEverySize) {
         const Bvh bvh = by_host(std::span(&mesh, 1));
         SCOPED_TRACE(count);
         expect_valid(bvh);
-        const BvhHeader header = bvh.header();
+        const BvhHeader header = state_of(bvh).read_header();
         EXPECT_EQ(bvh.layout(), Layout::binary);
         EXPECT_EQ(header.valid, count);
         EXPECT_EQ(header.height, count < 2 ? 0u : std::bit_width(count - 1));
@@ -39,7 +41,7 @@ TEST(HostTree, EqualTrianglesMakeItNoHigher) {
     mesh.triangles.assign(1000, glm::uvec3(0, 1, 2));
     const Bvh bvh = by_host(std::span(&mesh, 1));
     expect_valid(bvh);
-    EXPECT_EQ(bvh.header().height, 10u);
+    EXPECT_EQ(state_of(bvh).read_header().height, 10u);
 }
 
 TEST(HostTree, LeavesOutWhatTheDeviceLeavesOut) {
@@ -54,12 +56,12 @@ TEST(HostTree, LeavesOutWhatTheDeviceLeavesOut) {
     meshes[1].mask = 5;
     const Bvh host = by_host(meshes), other = Bvh::build(device(), meshes, {.layout = Layout::binary});
     expect_valid(host);
-    EXPECT_EQ(host.header().culled, 8u);
-    EXPECT_EQ(other.header().culled, 8u);
+    EXPECT_EQ(state_of(host).read_header().culled, 8u);
+    EXPECT_EQ(state_of(other).read_header().culled, 8u);
     // All that leaves hold, in the order of the input.
     const auto sorted = [](const Bvh& bvh) {
-        std::vector<LeafTriangle> leaves(bvh.header().valid);
-        bvh.leaves().read(std::span(leaves));
+        std::vector<LeafTriangle> leaves(state_of(bvh).read_header().valid);
+        state_of(bvh).leaves.read(std::span(leaves));
         std::sort(leaves.begin(), leaves.end(), [](auto& a, auto& b) { return a.primitive < b.primitive; });
         return leaves;
     };

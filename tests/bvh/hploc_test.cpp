@@ -1,6 +1,7 @@
 // The clustering builder: bvh/hploc.cl.
 #include <gtest/gtest.h>
 
+#include "host/bvh/bvh_state.hpp"
 #include "tests/bvh/support.hpp"
 #include "tests/support/meshes.hpp"
 
@@ -16,7 +17,7 @@ TEST(Clustering, IsValidAtEverySize) {
             const Bvh bvh = cluster(mesh, bits);
             SCOPED_TRACE(testing::Message() << count << " triangles, " << bits << " bits");
             expect_valid(bvh);
-            EXPECT_EQ(bvh.header().valid, count);
+            EXPECT_EQ(state_of(bvh).read_header().valid, count);
             expect_bounds(bvh, mesh);
         }
 }
@@ -37,14 +38,14 @@ TEST(Clustering, EqualTrianglesGiveALowTree) {
         mesh.triangles.assign(count, glm::uvec3(0, 1, 2));
         const Bvh bvh = cluster(mesh);
         expect_valid(bvh);
-        EXPECT_LE(bvh.header().height, height);
+        EXPECT_LE(state_of(bvh).read_header().height, height);
     }
 }
 
 TEST(Clustering, GivesWayToTheFastTreeWhereItWouldBeTooHigh) {
     const Bvh bvh = cluster(doubling_triangles());
     expect_valid(bvh);
-    EXPECT_LE(bvh.header().height, unsigned(CLARAY_MAX_HEIGHT));
+    EXPECT_LE(state_of(bvh).read_header().height, unsigned(CLARAY_MAX_HEIGHT));
 }
 
 }  // namespace

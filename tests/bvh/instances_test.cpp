@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "host/bvh/bvh_state.hpp"
 #include "tests/oracle/instances.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
@@ -40,7 +41,7 @@ TEST(InstancedBvh, LeavesHoldTheTransformedObjects) {
         std::vector<Instance> instances = random_instances(500, 3, 5.f, 0.3f, 3);
         for (Instance& i : instances) i.row0[3] += offset, i.row1[3] -= offset;
         const InstancedBvh bvh = InstancedBvh::build(build_bottoms(meshes, Layout::binary), instances);
-        for (const LeafTriangle& leaf : bvh.top().leaves().read()) {
+        for (const LeafTriangle& leaf : state_of(bvh.top()).leaves.read()) {
             const glm::dvec3 lo(leaf.v0x, leaf.v0y, leaf.v0z), hi(leaf.v1x, leaf.v1y, leaf.v1z);
             for (const glm::dvec3& p : world_corners(meshes, std::span(&instances[leaf.primitive], 1)))
                 ASSERT_TRUE(glm::all(glm::lessThanEqual(lo, p)) && glm::all(glm::lessThanEqual(p, hi)));

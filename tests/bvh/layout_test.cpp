@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "claray/query.hpp"
+#include "host/bvh/bvh_state.hpp"
 #include "tests/bvh/support.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/meshes.hpp"
@@ -22,9 +23,9 @@ protected:
 
 /// Triangles of each leaf, from left to right.
 std::vector<std::uint32_t> leaf_sizes(const Bvh& bvh) {
-    const std::vector<BvhNode> nodes = bvh.nodes().read();
+    const std::vector<BvhNode> nodes = state_of(bvh).nodes.read();
     std::vector<std::uint32_t> sizes, stack;
-    if (const std::uint32_t root = bvh.header().root; root != CLARAY_NO_CHILD) stack.push_back(root);
+    if (const std::uint32_t root = state_of(bvh).read_header().root; root != CLARAY_NO_CHILD) stack.push_back(root);
     while (!stack.empty()) {
         const std::uint32_t child = stack.back();
         stack.pop_back();

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include "host/bvh/bvh_state.hpp"
 #include "tests/bvh/support.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/meshes.hpp"
@@ -23,7 +24,7 @@ TEST(Bvh, IsValidAtEverySize) {
             const Bvh bvh = build(mesh, bits);
             SCOPED_TRACE(testing::Message() << count << " triangles, " << bits << " bits");
             expect_valid(bvh);
-            const BvhHeader header = bvh.header();
+            const BvhHeader header = state_of(bvh).read_header();
             EXPECT_EQ(header.valid, count);
             EXPECT_EQ(header.culled, 0u);
             EXPECT_LE(header.height, height_bound(bits, count));
@@ -40,7 +41,8 @@ TEST(Bvh, TakesAnyNumberOfEqualTriangles) {
     for (const unsigned bits : {30u, 63u}) {
         const Bvh bvh = build(mesh, bits);
         expect_valid(bvh);
-        EXPECT_EQ(bvh.header().height, 12u);  // balanced by index, to leaves of four: ceil(log2 10000) - 2
+        EXPECT_EQ(state_of(bvh).read_header().height,
+                  12u);  // balanced by index, to leaves of four: ceil(log2 10000) - 2
     }
 }
 
@@ -54,8 +56,8 @@ TEST(Bvh, CullsJunkAndKeepsIndices) {
     dirty.triangles.emplace_back(4, 4, 5);  // two equal vertices
     const Bvh bvh = build(dirty);
     expect_valid(bvh);
-    EXPECT_EQ(bvh.header().valid, 1000u);
-    EXPECT_EQ(bvh.header().culled, 6u);
+    EXPECT_EQ(state_of(bvh).read_header().valid, 1000u);
+    EXPECT_EQ(state_of(bvh).read_header().culled, 6u);
     EXPECT_EQ(bvh.hash(), build(clean).hash());
 }
 
@@ -64,8 +66,8 @@ TEST(Bvh, CullsEverythingIfNothingIsValid) {
     mesh.positions = {{nan, nan, nan}, {0, 0, 0}, {1, 0, 0}};
     mesh.triangles = {{0, 1, 2}, {1, 1, 2}};
     const Bvh bvh = build(mesh, 63, Layout::wide);
-    EXPECT_EQ(bvh.header().valid, 0u);
-    EXPECT_EQ(bvh.header().culled, 2u);
+    EXPECT_EQ(state_of(bvh).read_header().valid, 0u);
+    EXPECT_EQ(state_of(bvh).read_header().culled, 2u);
     expect_valid(bvh);
 }
 
@@ -80,7 +82,7 @@ TEST(Bvh, KeepsDenormals) {
     for (glm::vec3& p : mesh.positions) p *= 1e-41f;
     const Bvh bvh = build(mesh);
     expect_valid(bvh);
-    EXPECT_EQ(bvh.header().hix, 1.f * 1e-41f);
+    EXPECT_EQ(state_of(bvh).read_header().hix, 1.f * 1e-41f);
 }
 
 TEST(Bvh, RefusesIndicesOutOfRange) {
@@ -102,9 +104,9 @@ double half_area(const glm::dvec3& e) { return e.x * e.y + e.y * e.z + e.z * e.x
 
 TEST(Bvh, SahCostEqualsTheHosts) {
     const Bvh bvh = build(soup(3001, 0.05f, 9));
-    const BvhHeader header = bvh.header();
+    const BvhHeader header = state_of(bvh).read_header();
     double cost = 0;
-    const std::vector<BvhNode> nodes = bvh.nodes().read();
+    const std::vector<BvhNode> nodes = state_of(bvh).nodes.read();
     for (const BvhNode& n : std::span(nodes).first(header.valid - 1)) {
         if (n.child0 == CLARAY_NO_CHILD) continue;  // a number that is free
         const glm::dvec3 lo0(n.lo0x, n.lo0y, n.lo0z), hi0(n.hi0x, n.hi0y, n.hi0z), lo1(n.lo1x, n.lo1y, n.lo1z),
@@ -119,12 +121,12 @@ TEST(Bvh, SahCostEqualsTheHosts) {
 
 TEST(Bvh, LeavesFollowTheMortonCurve) {
     const Mesh mesh = soup(2000, 0.f, 4);  // points: centroid is vertex ... but two equal vertices are culled
-    EXPECT_EQ(build(mesh).header().valid, 0u);
+    EXPECT_EQ(state_of(build(mesh)).read_header().valid, 0u);
 
     const Bvh bvh = build(soup(2000, 0.001f, 4));
-    const std::vector<BvhNode> nodes = bvh.nodes().read();
+    const std::vector<BvhNode> nodes = state_of(bvh).nodes.read();
     // In-order traversal of the tree meets the leaves from first to last.
-    std::vector<std::uint32_t> stack = {bvh.header().root};
+    std::vector<std::uint32_t> stack = {state_of(bvh).read_header().root};
     std::uint32_t next = 0;
     while (!stack.empty()) {
         const std::uint32_t child = stack.back();
@@ -145,8 +147,8 @@ TEST(Bvh, SplitsFlatScenesAlong) {
     Mesh mesh = soup(20'000, 1e-4f, 3);
     for (glm::vec3& position : mesh.positions) position.x *= 100.f, position.y *= 100.f;
     const Bvh bvh = build(mesh);
-    const std::vector<BvhNode> nodes = bvh.nodes().read();
-    std::vector<std::pair<std::uint32_t, int>> stack = {{bvh.header().root, 0}};
+    const std::vector<BvhNode> nodes = state_of(bvh).nodes.read();
+    std::vector<std::pair<std::uint32_t, int>> stack = {{state_of(bvh).read_header().root, 0}};
     while (!stack.empty()) {
         const auto [child, level] = stack.back();
         stack.pop_back();
@@ -213,11 +215,11 @@ TEST(Bvh, SplitsEqualCodesByTheirIndices) {
 /// Node i splits between leaves i and i + 1, and no other place in its range has a higher differing bit.
 TEST(Bvh, SplitsWhereTheHighestBitDiffers) {
     const Bvh bvh = build(soup(3000, 0.01f, 8));
-    const std::vector<BvhNode> nodes = bvh.nodes().read();
+    const std::vector<BvhNode> nodes = state_of(bvh).nodes.read();
     struct Range {
         std::uint32_t child, first, last;
     };
-    std::vector<Range> stack = {{bvh.header().root, 0, 2999}};
+    std::vector<Range> stack = {{state_of(bvh).read_header().root, 0, 2999}};
     while (!stack.empty()) {
         const auto [child, first, last] = stack.back();
         stack.pop_back();

@@ -19,7 +19,7 @@ class Memory : public testing::TestWithParam<unsigned> {
 protected:
     void SetUp() override { device_.set_tuning("compute/programs", "SIDE_BY_SIDE", GetParam()); }
     /// Gives the device this much memory beyond that in use.
-    void leave(std::uint64_t bytes) { device_.state().info.memory = bytes_in_use(device_) + bytes; }
+    void leave(std::uint64_t bytes) { state_of(device_).info.memory = bytes_in_use(device_) + bytes; }
     [[nodiscard]] std::uint64_t needed(const Bvh::Config& config) const {
         return Bvh::memory_needed(device_, mesh_.positions.size(), mesh_.triangles.size(), config).bytes;
     }
@@ -178,13 +178,13 @@ TEST_P(Memory, LoadingIsRefusedToo) {
 
 TEST_P(Memory, LargestBufferIsForTheDriverToDecide) {
     // A device that reports less memory per buffer than it allocates: the larger size is used.
-    device_.state().info.max_allocation = 1000;
+    state_of(device_).info.max_allocation = 1000;
     EXPECT_TRUE(gives_buffer(device_, 100'000));
     EXPECT_NO_THROW((void)build({}));
     // What it does not give is refused before any work, though there is memory in all.
-    device_.state().info = device().info();
-    device_.state().info.memory = std::uint64_t(1) << 62;
-    device_.state().info.type = DeviceType::gpu;  // the memory of the host is not asked for
+    state_of(device_).info = device().info();
+    state_of(device_).info.memory = std::uint64_t(1) << 62;
+    state_of(device_).info.type = DeviceType::gpu;  // the memory of the host is not asked for
     TriangleBuffers triangles;
     {
         const MemoryPlan plan(device_);

@@ -115,16 +115,16 @@ TEST_P(RefitTest, TellsWhenToRebuild) {
             EXPECT_GE(bvh.cost_growth(), before * 0.999);
             before = bvh.cost_growth();
             if (turns == 0.f) {
-                EXPECT_FALSE(bvh.should_rebuild());
+                EXPECT_FALSE(should_rebuild(bvh));
             }
         }
         EXPECT_GT(before, 2.0);
-        EXPECT_TRUE(bvh.should_rebuild());
-        EXPECT_FALSE(bvh.should_rebuild(1.01 * before));
+        EXPECT_TRUE(should_rebuild(bvh));
+        EXPECT_FALSE(should_rebuild(bvh, 1.01 * before));
         bvh.rebuild();
         EXPECT_EQ(bvh.cost_growth(), 1.0);
         bvh.refit();
-        EXPECT_FALSE(bvh.should_rebuild());
+        EXPECT_FALSE(should_rebuild(bvh));
     }
 }
 

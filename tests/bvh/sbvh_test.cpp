@@ -7,6 +7,7 @@
 #include <string>
 
 #include "claray/query.hpp"
+#include "host/bvh/bvh_state.hpp"
 #include "tests/bvh/support.hpp"
 #include "tests/oracle/brute_force.hpp"
 #include "tests/support/device.hpp"
@@ -50,9 +51,9 @@ Mesh hall(std::size_t ornaments) {
 /// Boxes of the leaves by primitive.
 std::vector<std::vector<Bounds>> leaf_boxes(const Bvh& bvh) {
     std::vector<std::vector<Bounds>> boxes(bvh.triangle_count());
-    const std::vector<BvhNode> nodes = bvh.nodes().read();
-    const std::vector<LeafTriangle> leaves = bvh.leaves().read();
-    const std::uint32_t valid = bvh.header().valid;
+    const std::vector<BvhNode> nodes = state_of(bvh).nodes.read();
+    const std::vector<LeafTriangle> leaves = state_of(bvh).leaves.read();
+    const std::uint32_t valid = state_of(bvh).read_header().valid;
     for (std::uint32_t i = 0; i + 1 < valid; ++i) {
         const BvhNode& n = nodes[i];
         if (n.child0 & CLARAY_LEAF)
@@ -73,8 +74,8 @@ TEST(High, IsValidAtEverySize) {
             SCOPED_TRACE(testing::Message() << count << " triangles of size " << size);
             expect_valid(bvh);
             EXPECT_EQ(bvh.statistics().triangles, count);
-            EXPECT_GE(bvh.header().valid, count);
-            EXPECT_LE(double(bvh.header().valid), 1.5 * double(count));
+            EXPECT_GE(state_of(bvh).read_header().valid, count);
+            EXPECT_LE(double(state_of(bvh).read_header().valid), 1.5 * double(count));
             expect_bounds(bvh, mesh);
         }
 }
@@ -141,7 +142,7 @@ TEST(High, SplitsWhatNoPlaneParts) {
     for (const Mesh& mesh : {same, flat}) {
         const Bvh bvh = build_high(mesh);
         expect_valid(bvh);
-        EXPECT_LE(bvh.header().height, 80u);
+        EXPECT_LE(state_of(bvh).read_header().height, 80u);
     }
 }
 
@@ -340,7 +341,7 @@ TEST(High, IsSavedAndLoadedWithItsSettings) {
 TEST(High, FitsTheStackOfATraversal) {
     Bvh bvh = build_high(doubling_triangles());
     expect_valid(bvh);
-    EXPECT_LE(bvh.header().height, unsigned(CLARAY_MAX_HEIGHT));
+    EXPECT_LE(state_of(bvh).read_header().height, unsigned(CLARAY_MAX_HEIGHT));
     const std::string hash = bvh.hash();
     bvh.rebuild();
     EXPECT_EQ(bvh.hash(), hash);
@@ -349,8 +350,8 @@ TEST(High, FitsTheStackOfATraversal) {
 /// A copy in traversal order: first children follow their node, leaves go from left to right.
 TEST(High, LiesInMemoryAsItIsTraversed) {
     const Bvh bvh = build_high(hall(3000));
-    const std::vector<BvhNode> nodes = bvh.nodes().read();
-    std::vector<std::uint32_t> stack = {bvh.header().root};
+    const std::vector<BvhNode> nodes = state_of(bvh).nodes.read();
+    std::vector<std::uint32_t> stack = {state_of(bvh).read_header().root};
     std::uint32_t next_node = 0, next_leaf = 0;
     while (!stack.empty()) {
         const std::uint32_t child = stack.back();
@@ -363,7 +364,7 @@ TEST(High, LiesInMemoryAsItIsTraversed) {
         stack.push_back(nodes[child].child1);
         stack.push_back(nodes[child].child0);
     }
-    EXPECT_EQ(next_leaf, bvh.header().valid);
+    EXPECT_EQ(next_leaf, state_of(bvh).read_header().valid);
     EXPECT_EQ(next_node + 1, next_leaf);
 }
 

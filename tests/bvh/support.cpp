@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "host/bvh/bvh_state.hpp"
 #include "tests/support/device.hpp"
 
 namespace claray::test {
@@ -20,7 +21,7 @@ void expect_valid(const Bvh& bvh) {
 
 void expect_bounds(const Bvh& bvh, const Mesh& mesh) {
     if (mesh.triangles.empty()) return;
-    const BvhHeader header = bvh.header();
+    const BvhHeader header = state_of(bvh).read_header();
     const Bounds bounds = bounds_of(mesh);
     EXPECT_EQ(glm::vec3(header.lox, header.loy, header.loz), bounds.lo);
     EXPECT_EQ(glm::vec3(header.hix, header.hiy, header.hiz), bounds.hi);

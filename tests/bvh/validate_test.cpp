@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "host/bvh/bvh_state.hpp"
 #include "tests/bvh/support.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/not_finite.hpp"
@@ -14,8 +15,8 @@ TEST(Bvh, ValidationFindsWhatIsBroken) {
     const Mesh mesh = soup(500, 0.05f, 11);
     const auto broken = [&](auto&& damage) {
         const Bvh bvh = build(mesh);
-        Buffer<BvhNode> nodes = bvh.nodes();
-        Buffer<LeafTriangle> leaves = bvh.leaves();
+        Buffer<BvhNode> nodes = state_of(bvh).nodes;
+        Buffer<LeafTriangle> leaves = state_of(bvh).leaves;
         std::vector<BvhNode> host_nodes = nodes.read();
         std::vector<LeafTriangle> host_leaves = leaves.read();
         damage(host_nodes, host_leaves);

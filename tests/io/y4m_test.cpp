@@ -18,11 +18,11 @@ TEST(Y4m, HoldsTheFramesInOrder) {
     const TemporaryFolder folder;
     const std::vector<glm::vec3> colors = {{1, 1, 1}, {0, 0, 0}, {1, 0, 0}, {0, 0, 1}, {0.2f, 0.5f, 0.1f}, {0, 1, 0}};
     {
-        Y4mFilm film(folder / "a.y4m", 3, 2, 24);
-        film.add(std::vector<glm::vec3>(6, glm::vec3(0)), 0, ToneMap::none);
-        film.add(colors, 0, ToneMap::none);
+        Y4mVideo video(folder / "a.y4m", 3, 2, 24);
+        video.add(std::vector<glm::vec3>(6, glm::vec3(0)), 0, ToneMap::none);
+        video.add(colors, 0, ToneMap::none);
         EXPECT_FALSE(std::filesystem::exists(folder / "a.y4m")) << "not before it is complete";
-        film.commit();
+        video.commit();
     }
     const std::string bytes = test::read_file(folder / "a.y4m"), header = "YUV4MPEG2 W3 H2 F24:1 Ip A1:1 C444\n";
     ASSERT_EQ(bytes.size(), header.size() + 2 * (6 + 18));
@@ -41,29 +41,29 @@ TEST(Y4m, HoldsTheFramesInOrder) {
 
 TEST(Y4m, AStopDoublesTheLight) {
     const TemporaryFolder folder;
-    std::string films[2];
+    std::string videos[2];
     for (int i = 0; i < 2; ++i) {
-        Y4mFilm film(folder / "a.y4m", 2, 1, 24);
-        film.add({glm::vec3(i ? 0.1f : 0.2f), glm::vec3(i ? 0.3f : 0.6f, 0, 0)}, i ? 1.f : 0.f, ToneMap::aces);
-        film.commit();
-        films[i] = test::read_file(folder / "a.y4m");
+        Y4mVideo video(folder / "a.y4m", 2, 1, 24);
+        video.add({glm::vec3(i ? 0.1f : 0.2f), glm::vec3(i ? 0.3f : 0.6f, 0, 0)}, i ? 1.f : 0.f, ToneMap::aces);
+        video.commit();
+        videos[i] = test::read_file(folder / "a.y4m");
     }
-    EXPECT_EQ(films[0], films[1]);
+    EXPECT_EQ(videos[0], videos[1]);
 }
 
 TEST(Y4m, WritesRatesAsFractions) {
     const TemporaryFolder folder;
     for (const auto& [rate, text] : {std::pair(30000.0 / 1001, " F30000:1001 "), std::pair(23.976, " F24000:1001 "),
                                      std::pair(25.0, " F25:1 "), std::pair(12.5, " F25:2 ")}) {
-        Y4mFilm(folder / "a.y4m", 1, 1, rate).commit();
+        Y4mVideo(folder / "a.y4m", 1, 1, rate).commit();
         EXPECT_NE(test::read_file(folder / "a.y4m").find(text), std::string::npos) << test::read_file(folder / "a.y4m");
     }
 }
 
 TEST(Y4m, RefusesFramesOfAnotherSize) {
     const TemporaryFolder folder;
-    Y4mFilm film(folder / "a.y4m", 3, 2, 24);
-    expect_error(ErrorKind::usage, {"5 pixels"}, [&] { film.add(std::vector<glm::vec3>(5), 0, ToneMap::none); });
+    Y4mVideo video(folder / "a.y4m", 3, 2, 24);
+    expect_error(ErrorKind::usage, {"5 pixels"}, [&] { video.add(std::vector<glm::vec3>(5), 0, ToneMap::none); });
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "claray/instances.hpp"
+#include "host/bvh/bvh_state.hpp"
 #include "host/sort/radix_sort.hpp"
 #include "host/verify/run.hpp"
 
@@ -90,7 +91,7 @@ TEST_P(UnitKernelsOnLayout, BuildRefitAndTrace) {
             if (bits == 63 && count < 130) continue;  // only the codes differ, and the sort takes most of the time
             const Mesh mesh = soup(count);
             Bvh bvh = Bvh::build(device, {&mesh, 1}, {.morton_bits = bits, .layout = GetParam()});
-            EXPECT_EQ(bvh.header().culled, count / 10);
+            EXPECT_EQ(state_of(bvh).read_header().culled, count / 10);
             bvh.refit();
             bvh.rebuild();
             EXPECT_TRUE(bvh.validate().ok()) << count << " triangles, " << bits << " bits";

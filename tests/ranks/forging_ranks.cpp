@@ -58,7 +58,7 @@ const std::vector<Forge> of_hello = {
 const std::vector<Forge> of_ready = {
     [](Sent& sent) { sent.bytes = cut(sent.bytes); },
     with([](RemoteReport& report) { report.report.kind = Report::Kind::done; }),  // before any order
-    with([](RemoteReport& report) { report.picture = 7; }),
+    with([](RemoteReport& report) { report.task = 7; }),
     with([](RemoteReport& report) { report.report.worker = 5; }),
     with([](RemoteReport& report) { report.report.kind = Report::Kind(17); }),
 };
@@ -66,7 +66,7 @@ const std::vector<Forge> of_done = {
     with([](RemoteReport& report) { report.report.sums.pixels.resize(report.report.sums.pixels.size() + 1); }),
     with([](RemoteReport& report) { report.report.seconds = NAN; }),
     with([](RemoteReport& report) { report.report.kind = Report::Kind::ready; }),  // again
-    with([](RemoteReport& report) { report.picture = 0; }),
+    with([](RemoteReport& report) { report.task = 0; }),
     [](Sent& sent) { sent.kind = MessageKind::alive; },
     [](Sent& sent) {
         sent = {MessageKind::quit, "0"};
@@ -103,7 +103,7 @@ public:
             return;
         }
         for (const auto& [request, all] :
-             {std::pair(MessageKind::hello, of_hello), std::pair(MessageKind::picture, of_ready),
+             {std::pair(MessageKind::hello, of_hello), std::pair(MessageKind::task, of_ready),
               std::pair(MessageKind::order, of_done)}) {
             if (left < all.size()) {
                 forge_[request] = all[left];
@@ -119,21 +119,21 @@ public:
             const std::optional<Message> message = session_.receive(std::chrono::seconds(1));
             if (!message) continue;
             if (message->kind == MessageKind::quit || message->kind == MessageKind::failure) return;
-            if (message->kind == MessageKind::picture) {
-                picture_ = picture_from(message->bytes).number;
+            if (message->kind == MessageKind::task) {
+                task_ = task_from(message->bytes).number;
                 report({0, Report::Kind::ready, 16, 64}, message->kind);
             } else if (message->kind == MessageKind::order && forge_.contains(MessageKind::order)) {
                 report({0, Report::Kind::done}, message->kind);
             } else if (message->kind == MessageKind::frame) {
                 answer(message->kind, {MessageKind::rendered,
-                                       to_bytes(RenderedFrame{picture_from(message->bytes).number, {}, {}, {}, {}})});
+                                       to_bytes(RenderedFrame{task_from(message->bytes).number, {}, {}, {}, {}})});
             }
         }
     }
 
 private:
     void report(Report report, MessageKind request) {
-        answer(request, {MessageKind::report, to_bytes(RemoteReport{picture_, std::move(report)})});
+        answer(request, {MessageKind::report, to_bytes(RemoteReport{task_, std::move(report)})});
     }
     void answer(MessageKind request, Sent sent) {
         if (const auto forge = forge_.find(request); forge != forge_.end()) forge->second(sent);
@@ -143,7 +143,7 @@ private:
 
     Session& session_;
     std::map<MessageKind, Forge> forge_;  // by what it answers
-    std::uint32_t picture_ = 0;
+    std::uint32_t task_ = 0;
 };
 
 std::atomic<int> dropped = 0;
@@ -161,7 +161,7 @@ void render_picture(Ranks& ranks) {
     RenderGroup group({device()}, scene, config, tell);
     {
         const RemoteDevices remote(ranks, group, scene, config);
-        RenderGroup::State& state = group.state();
+        RenderGroup::State& state = state_of(group);
         const auto starts = [](const auto& member) { return !member.is_ready && !member.has_failed; };
         while (std::any_of(state.members.begin(), state.members.end(), starts))
             state.take_report(std::chrono::milliseconds(20));

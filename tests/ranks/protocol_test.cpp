@@ -29,19 +29,19 @@ TEST(Protocol, BringsScenesAndSettings) {
     for (const char* name : {"effects", "cornell", "hair:100"}) {
         const Scene scene = *builtin_scene(name);
         const RenderConfig config = unusual_config();
-        const Picture picture = picture_from(to_bytes(7, config, scene));
-        EXPECT_EQ(picture.number, 7u);
-        EXPECT_EQ(digest_of(picture.scene), digest_of(scene)) << name;
-        EXPECT_EQ(picture.scene.name, scene.name);
-        EXPECT_EQ(picture.scene.materials[0].name, scene.materials[0].name);
-        const RenderIdentity sent = identity_of(scene, config), come = identity_of(picture.scene, picture.config);
+        const RenderTask task = task_from(to_bytes(7, config, scene));
+        EXPECT_EQ(task.number, 7u);
+        EXPECT_EQ(digest_of(task.scene), digest_of(scene)) << name;
+        EXPECT_EQ(task.scene.name, scene.name);
+        EXPECT_EQ(task.scene.materials[0].name, scene.materials[0].name);
+        const RenderIdentity sent = identity_of(scene, config), come = identity_of(task.scene, task.config);
         EXPECT_EQ(come.settings, sent.settings);
         EXPECT_EQ(come.width, sent.width);
-        EXPECT_EQ(picture.config.spp, config.spp);
-        EXPECT_EQ(picture.config.noise, config.noise);
-        EXPECT_EQ(picture.config.bvh.builder, config.bvh.builder);
-        EXPECT_EQ(picture.config.compiler, "") << "it belongs to a machine";
-        EXPECT_TRUE(picture.config.checkpoint.empty() && picture.config.resume.empty());
+        EXPECT_EQ(task.config.spp, config.spp);
+        EXPECT_EQ(task.config.noise, config.noise);
+        EXPECT_EQ(task.config.bvh.builder, config.bvh.builder);
+        EXPECT_EQ(task.config.compiler, "") << "it belongs to a machine";
+        EXPECT_TRUE(task.config.checkpoint.empty() && task.config.resume.empty());
     }
 }
 
@@ -50,7 +50,7 @@ TEST(Protocol, BringsOrdersAndReports) {
     order.sums.pixels.resize(2), order.sums.odd.resize(2);
     order.sums.pixels[1].all.g = 0.5f, order.sums.odd[0].r = 2.f;
     const RemoteOrder come = order_from(to_bytes(order));
-    EXPECT_EQ(come.picture, 3u);
+    EXPECT_EQ(come.task, 3u);
     EXPECT_EQ(come.device, 1u);
     EXPECT_EQ(come.order.kind, Order::Kind::give);
     EXPECT_EQ(come.order.batch.first_sample, 4u);
@@ -69,7 +69,7 @@ TEST(Protocol, BringsOrdersAndReports) {
     RemoteReport report{4, {2, Report::Kind::failed}};
     report.report.error = ErrorKind::user, report.report.what = "why";
     const RemoteReport told = report_from(to_bytes(report));
-    EXPECT_EQ(told.picture, 4u);
+    EXPECT_EQ(told.task, 4u);
     EXPECT_EQ(told.report.worker, 2u);
     EXPECT_EQ(told.report.kind, Report::Kind::failed);
     EXPECT_EQ(told.report.error, ErrorKind::user);
@@ -124,9 +124,8 @@ TEST(Protocol, RefusesWhatCannotBe) {
 TEST(Protocol, RefusesWhatEndsTooEarly) {
     const std::string whole = to_bytes(1, RenderConfig{}, *builtin_scene("cornell"));
     for (std::size_t length = 0; length < whole.size(); length += 1 + length / 50)
-        EXPECT_TRUE(throws_error(ErrorKind::user, "ends too early", [&] {
-            (void)picture_from(whole.substr(0, length));
-        })) << length;
+        EXPECT_TRUE(throws_error(ErrorKind::user, "ends too early", [&] { (void)task_from(whole.substr(0, length)); }))
+            << length;
     EXPECT_TRUE(throws_error(ErrorKind::user, "ends too early", [] { (void)hello_from(std::string(8, '\xff')); }));
 }
 

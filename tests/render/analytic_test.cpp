@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "host/bsdf/energy_tables.hpp"
+#include "host/render/renderer_state.hpp"
 #include "host/verify/cases/bsdf.hpp"
 #include "tests/render/scenes.hpp"
 #include "tests/support/device.hpp"
@@ -179,7 +180,7 @@ Device device_of_study(unsigned sixteen) {
 
 TEST(AmbientOcclusion, AWallHidesItsSegmentOfTheHemisphereAndReflects) {
     constexpr float reach = 0.5f;
-    const RenderConfig config{.width = 8, .height = 8, .spp = 256, .ambient = {reach, {3, 0, 0}}};
+    const RenderConfig config{.width = 8, .height = 8, .spp = 256};
     for (const float distance : {0.05f, 0.2f, 0.4f, 0.6f}) {
         Scene scene;
         scene.materials = {lambert(0.6f), lambert(0.3f)};
@@ -188,6 +189,7 @@ TEST(AmbientOcclusion, AWallHidesItsSegmentOfTheHemisphereAndReflects) {
         scene.camera = narrow_camera({0.1f, 3, 0}, {0, 0, 0});
         const auto render = [&](unsigned sixteen) {
             Renderer renderer(device_of_study(sixteen), scene, config);
+            state_of(renderer).wavefront.frame().ambient = {3, 0, 0, reach};
             (void)renderer.render();
             return renderer.image();
         };
@@ -206,9 +208,9 @@ TEST(AmbientOcclusion, LeavesDirectLightAndMirrorsAsTheyAre) {
         scene.materials = {material(kind, 0.6f), emitter(3.f)};
         scene.meshes = {square(6.f, 0.f), square(1.f, 2.f, 1)};
         scene.camera = narrow_camera({0.25f, 1, 0.1f}, {0, 0, 0});
-        RenderConfig config{.width = 8, .height = 8, .spp = 256, .max_depth = 1};
-        config.ambient = {0.1f, {3, 0, 0}};
+        const RenderConfig config{.width = 8, .height = 8, .spp = 256, .max_depth = 1};
         Renderer renderer(device_of_study(1), scene, config);
+        state_of(renderer).wavefront.frame().ambient = {3, 0, 0, 0.1f};
         (void)renderer.render();
         EXPECT_NEAR(mean(renderer.image()).y / mean(render_image(scene, config)).y, 1, 0.01);
     }

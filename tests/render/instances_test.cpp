@@ -5,6 +5,7 @@
 #include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "host/bvh/instances_state.hpp"
 #include "host/render/structure.hpp"
 #include "host/scene/placement.hpp"
 #include "tests/oracle/instances.hpp"
@@ -300,7 +301,7 @@ TEST_P(LeavingInstances, NoRayHitsTheTriangleThatItLeaves) {
     Buffer<Ray> rays(device(), count);
     const Buffer<float> clearance(device(), count);
     leave.run({count, 64}, count, rays_each, triangles, bottom.triangles().positions, bottom.triangles().indices, rays,
-              clearance, bvh.instances(), bvh.ends(), bvh.placed());
+              clearance, bvh.instances(), bvh.ends(), state_of(bvh).placed);
     QueryOptions options;
     options.ray_times = Buffer<float>(device(), std::vector<float>(count, 0.375f));
     const std::vector<InstanceHit> hits = closest_hit(bvh, rays.read(), options);

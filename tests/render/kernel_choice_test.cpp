@@ -172,7 +172,7 @@ TEST_F(KernelChoices, QuickKernelsOfManyEffectsAreOneProgramThatIsNotOptimized) 
     EXPECT_EQ(renderer.statistics().start, KernelStart::quick);
     EXPECT_FALSE(renderer.statistics().own_kernels);
     EXPECT_GT(renderer.statistics().first_pixel_processor_seconds, 0);
-    EXPECT_TRUE(fresh.state().slow_programs.empty());
+    EXPECT_TRUE(state_of(fresh).slow_programs.empty());
     const std::vector<glm::vec3> slow = renderer.image(), image = render_by_own_kernels(scene, few);
     ASSERT_EQ(slow.size(), image.size());
     EXPECT_EQ(std::memcmp(slow.data(), image.data(), image.size() * sizeof image[0]), 0);

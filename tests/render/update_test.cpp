@@ -5,6 +5,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "claray/program.hpp"
+#include "host/bvh/bvh_state.hpp"
 #include "tests/render/scenes.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
@@ -110,7 +111,7 @@ const Change changes[] = {
 
 class Update : public testing::TestWithParam<Change> {
 protected:
-    static void SetUpTestSuite() { Bvh::build(device(), std::vector<Mesh>{square(1.f, 0.f)}).prepare_refit(); }
+    static void SetUpTestSuite() { state_of(Bvh::build(device(), std::vector<Mesh>{square(1.f, 0.f)})).load_refit(); }
 };
 
 TEST_P(Update, IsARendererOfTheChangedScene) {

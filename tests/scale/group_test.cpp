@@ -24,7 +24,7 @@ bool same(const std::vector<glm::vec3>& a, const std::vector<glm::vec3>& b) {
 
 /// A device that starts late, on a busy machine, would find nothing left to do.
 void wait_for_all(RenderGroup& group) {
-    RenderGroup::State& state = group.state();
+    RenderGroup::State& state = state_of(group);
     const auto starts = [](const RenderGroup::State::Member& member) { return !member.is_ready && !member.has_failed; };
     while (std::any_of(state.members.begin(), state.members.end(), starts))
         state.take_report(std::chrono::milliseconds(20));
@@ -46,7 +46,7 @@ protected:
     [[nodiscard]] std::vector<glm::vec3> of_all(unsigned count, const RenderConfig& config) const {
         RenderGroup group(several(count), scene_, config);
         wait_for_all(group);
-        for (RenderGroup::State::Member& member : group.state().members) member.handover = 0;
+        for (RenderGroup::State::Member& member : state_of(group).members) member.handover = 0;
         reached_ = group.render();
         for (const DeviceShare& share : group.shares()) EXPECT_GT(share.samples, 0u) << "all take part";
         return group.renderer().image();
@@ -167,7 +167,7 @@ TEST_F(Groups, EndInTime) {
     config_.spp = 1u << 20, config_.seconds = 0.4;
     RenderGroup group(several(2), scene_, config_);
     wait_for_all(group);
-    for (RenderGroup::State::Member& member : group.state().members) member.handover = 0;
+    for (RenderGroup::State::Member& member : state_of(group).members) member.handover = 0;
     reached_ = group.render();
     for (const DeviceShare& share : group.shares()) EXPECT_GT(share.samples, 0u) << "both take part";
     EXPECT_GE(reached_.spp, 1u);

@@ -1,4 +1,4 @@
-// Instances whose levels the host builds, for a first picture: InstancedBvh::build_by_host and
+// Instances whose levels the host builds, for a first picture: build_by_host and
 // trace/traverse_small.clh.
 #include <gtest/gtest.h>
 
@@ -6,6 +6,9 @@
 #include <cstring>
 #include <limits>
 
+#include "host/bvh/bvh_state.hpp"
+#include "host/bvh/host_tree.hpp"
+#include "host/bvh/instances_state.hpp"
 #include "tests/oracle/instances.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
@@ -24,12 +27,12 @@ protected:
 
 std::vector<Bvh> bottoms_by_host(std::span<const Mesh> meshes) {
     std::vector<Bvh> bottoms;
-    for (const Mesh& mesh : meshes) bottoms.push_back(Bvh::build_by_host(device(), std::span(&mesh, 1), {}));
+    for (const Mesh& mesh : meshes) bottoms.push_back(build_by_host(device(), std::span(&mesh, 1), {}));
     return bottoms;
 }
 
 InstancedBvh by_host(std::span<const Mesh> meshes, std::span<const Instance> begins, std::span<const Instance> ends) {
-    return InstancedBvh::build_by_host(bottoms_by_host(meshes), begins, ends, {});
+    return build_by_host(bottoms_by_host(meshes), begins, ends, {});
 }
 
 InstancedBvh by_device(std::span<const Mesh> meshes, std::span<const Instance> begins, std::span<const Instance> ends) {
@@ -39,8 +42,8 @@ InstancedBvh by_device(std::span<const Mesh> meshes, std::span<const Instance> b
 
 /// Boxes of the top level's leaves in the order of the instances.
 std::vector<LeafTriangle> boxes(const InstancedBvh& bvh) {
-    std::vector<LeafTriangle> leaves(bvh.top().header().valid);
-    bvh.top().leaves().read(std::span(leaves));
+    std::vector<LeafTriangle> leaves(state_of(bvh.top()).read_header().valid);
+    state_of(bvh.top()).leaves.read(std::span(leaves));
     std::sort(leaves.begin(), leaves.end(), [](auto& a, auto& b) { return a.primitive < b.primitive; });
     return leaves;
 }
@@ -55,7 +58,7 @@ void expect_same_placement(const InstancedBvh& host, const InstancedBvh& other) 
     EXPECT_TRUE(host.validate().ok());
     EXPECT_EQ(host.statistics().culled, other.statistics().culled);
     EXPECT_EQ(host.statistics().widening, other.statistics().widening);
-    expect_same_bits(host.placed().read(), other.placed().read());
+    expect_same_bits(state_of(host).placed.read(), state_of(other).placed.read());
     expect_same_bits(boxes(host), boxes(other));
 }
 
@@ -130,7 +133,7 @@ TEST(SmallTraversal, GivesTheSameHitsUnderAllOptions) {
     QueryOptions options;
     options.cull_back_faces = true;
     options.ray_masks = Buffer<std::uint32_t>(device(), masks);
-    const Bvh host = Bvh::build_by_host(device(), meshes, {}),
+    const Bvh host = build_by_host(device(), meshes, {}),
               other = Bvh::build(device(), meshes, {.layout = Layout::binary});
     const std::vector<Hit> here = closest_hit(host, rays, options), there = closest_hit(other, rays, options);
     std::size_t hits = 0, of_sheets = 0;

@@ -62,7 +62,7 @@ void trace_until_ended(const Bvh& bvh, const QueryOptions& options = {}) {
 /// A structure whose tree was replaced. Other work on the machine can disturb a comparison: then another one tries.
 Bvh replaced(const std::function<Bvh()>& build) {
     Bvh bvh = build();
-    for (int tries = 1; trace_until_ended(bvh), !bvh.is_replaced() && tries < 50; ++tries) bvh = build();
+    for (int tries = 1; trace_until_ended(bvh), !is_replaced(bvh) && tries < 50; ++tries) bvh = build();
     return bvh;
 }
 
@@ -83,7 +83,7 @@ TEST(Learning, ReplacesATreeAndKeepsTheHits) {
         query.emplace(learning, QueryKind::closest);
         return learning;
     });
-    ASSERT_TRUE(bvh.is_replaced());
+    ASSERT_TRUE(is_replaced(bvh));
     EXPECT_TRUE(same(closest_hit(bvh, rays()), expected));
     EXPECT_TRUE(same(any_hit(bvh, rays()), occluded));
     std::vector<Hit> hits(rays().size());
@@ -135,26 +135,26 @@ TEST(Learning, OnlyAutomaticTreesLearnUnasked) {
     for (const Builder builder : {Builder::fast, Builder::balanced, Builder::high}) {
         const Bvh bvh = build_to_learn(mesh, builder, {});
         trace_until_ended(bvh);
-        EXPECT_FALSE(bvh.is_replaced()) << traits_of(builder).name;
+        EXPECT_FALSE(is_replaced(bvh)) << traits_of(builder).name;
     }
-    EXPECT_EQ(build_to_learn(mesh, Builder::automatic, {}).state().learns,
+    EXPECT_EQ(state_of(build_to_learn(mesh, Builder::automatic, {})).learns,
               resolve(Builder::automatic, device()) != Builder::high);
-    EXPECT_FALSE(build_to_learn(mesh, Builder::automatic, false).state().learns);
-    EXPECT_FALSE(build_to_learn(mesh, Builder::high, true).state().learns) << "there is no better builder";
+    EXPECT_FALSE(state_of(build_to_learn(mesh, Builder::automatic, false)).learns);
+    EXPECT_FALSE(state_of(build_to_learn(mesh, Builder::high, true)).learns) << "there is no better builder";
 }
 
 TEST(Learning, WaitsUntilTracingTookTenBuilds) {
     const ScopedTuning long_build(device(), "trace/learning", "LEAST_MILLISECONDS", 10'000);
     const Bvh bvh = build_to_learn(needles_and_dust());
     trace_until_ended(bvh);
-    EXPECT_FALSE(bvh.is_replaced());
+    EXPECT_FALSE(is_replaced(bvh));
 }
 
 TEST(Learning, DevicesWithoutAModelCountAMicrosecondATriangle) {
     const Device own = device().with_new_queue();
-    own.state().tuning.erase("plan/model HIGH_PICOSECONDS_PER_TRIANGLE");
+    state_of(own).tuning.erase("plan/model HIGH_PICOSECONDS_PER_TRIANGLE");
     EXPECT_DOUBLE_EQ(seconds_to_build_best(own, 2'000'000), 2.0);
-    own.state().tuning["plan/model HIGH_PICOSECONDS_PER_TRIANGLE"] = 500'000;
+    state_of(own).tuning["plan/model HIGH_PICOSECONDS_PER_TRIANGLE"] = 500'000;
     EXPECT_DOUBLE_EQ(seconds_to_build_best(own, 2'000'000), 1.0);
     EXPECT_DOUBLE_EQ(seconds_to_build_best(own, 1), 1e-3 * device().tuning("trace/learning", "LEAST_MILLISECONDS"));
 }
@@ -167,7 +167,7 @@ TEST(Learning, QueriesThatItCannotJudgeDoNotCount) {
     brute_force.brute_force = true;
     visits.visits = Buffer<Visits>(device(), rays().size());
     for (const QueryOptions& options : {masks, brute_force, visits}) trace(bvh, 3, options);
-    EXPECT_EQ(bvh.state().search(), nullptr);
+    EXPECT_EQ(state_of(bvh).search(), nullptr);
 }
 
 /// The first tree is left alone by the search, and stays what `refit` and `rebuild` begin with.
@@ -176,17 +176,17 @@ TEST(Learning, MotionReturnsToTheFirstTree) {
     const Mesh mesh = needles_and_dust();
     for (const bool rebuilds : {false, true}) {
         Bvh bvh = replaced([&] { return build_to_learn(mesh); });
-        ASSERT_TRUE(bvh.is_replaced());
+        ASSERT_TRUE(is_replaced(bvh));
         Mesh moved = mesh;
         for (glm::vec3& p : moved.positions) p.x += 0.25f;
         Buffer<float> positions = bvh.triangles().positions;
         positions.write({&moved.positions[0].x, 3 * moved.positions.size()});
         rebuilds ? bvh.rebuild() : bvh.refit();
-        EXPECT_FALSE(bvh.is_replaced());
+        EXPECT_FALSE(is_replaced(bvh));
         const std::vector<Hit> expected = closest_hit(build_to_learn(moved), rays());
         EXPECT_TRUE(same(closest_hit(bvh, rays()), expected));
         trace_until_ended(bvh);
-        EXPECT_FALSE(bvh.is_replaced()) << "for good";
+        EXPECT_FALSE(is_replaced(bvh)) << "for good";
     }
 }
 
@@ -208,10 +208,11 @@ TEST(Learning, TrianglesAreThoseOfTheTree) {
     const std::vector<Hit> expected_masked = closest_hit(bvh, rays(), masked);
     Buffer<float>(bvh.triangles().positions).fill(0);
     const Bvh again = build_best(device(), read_triangles(device(), bvh), {.layout = Layout::binary});
-    EXPECT_EQ(again.header().culled, bvh.header().culled);
-    EXPECT_GT(again.header().culled, 0u);
-    EXPECT_EQ(again.nodes().size(), again.header().inner_nodes) << "memory that is not needed is freed";
-    EXPECT_EQ(again.leaves().size(), again.header().valid);
+    EXPECT_EQ(state_of(again).read_header().culled, state_of(bvh).read_header().culled);
+    EXPECT_GT(state_of(again).read_header().culled, 0u);
+    EXPECT_EQ(state_of(again).nodes.size(), state_of(again).read_header().inner_nodes)
+        << "memory that is not needed is freed";
+    EXPECT_EQ(state_of(again).leaves.size(), state_of(again).read_header().valid);
     EXPECT_TRUE(same(closest_hit(again, rays()), expected));
     EXPECT_TRUE(same(closest_hit(again, rays(), masked), expected_masked));
     const Bvh other = replaced([&] {
@@ -219,7 +220,7 @@ TEST(Learning, TrianglesAreThoseOfTheTree) {
         Buffer<float>(learning.triangles().positions).fill(0);
         return learning;
     });
-    ASSERT_TRUE(other.is_replaced());
+    ASSERT_TRUE(is_replaced(other));
     EXPECT_TRUE(same(closest_hit(other, rays()), expected));
 }
 
@@ -232,7 +233,7 @@ TEST(Learning, ATreeMayEndOrMoveDuringTheSearch) {
         if (i % 2 == 0) {
             bvh.refit();
             trace_until_ended(bvh);
-            EXPECT_FALSE(bvh.is_replaced());
+            EXPECT_FALSE(is_replaced(bvh));
         }
     }
 }
@@ -245,10 +246,10 @@ TEST(Learning, TooLittleMemoryOnlyEndsTheSearch) {
     const std::vector<Hit> expected = closest_hit(bvh, rays());
     const BvhMemory needed = Bvh::memory_needed(own, 3 * bvh.triangle_count(), bvh.triangle_count(),
                                                 {.builder = Builder::high, .layout = bvh.layout()});
-    own.state().info.memory = bytes_in_use(own) + needed.bytes * 3 / 2;  // half of it is not enough
+    state_of(own).info.memory = bytes_in_use(own) + needed.bytes * 3 / 2;  // half of it is not enough
     trace_until_ended(bvh);
-    EXPECT_NE(bvh.state().search(), nullptr);
-    EXPECT_FALSE(bvh.is_replaced());
+    EXPECT_NE(state_of(bvh).search(), nullptr);
+    EXPECT_FALSE(is_replaced(bvh));
     EXPECT_TRUE(same(closest_hit(bvh, rays()), expected));
 }
 
@@ -264,14 +265,14 @@ TEST(Learning, MemoryIsFreed) {
 
 TEST(Learning, QueuesWithoutTimesOnlyEndTheSearch) {
     const EarlySearch early;
-    const cl::CommandQueue plain(device().context(), device().state().device);
+    const cl::CommandQueue plain(device().context(), state_of(device()).device);
     const Device adopted = Device::adopt(device().context()(), plain());
     adopted.set_tuning("trace/learning", "BUILDS_TO_WAIT_FOR", 0);
     const Mesh mesh = needles_and_dust();
     const Bvh bvh = Bvh::build(adopted, std::span(&mesh, 1), {.builder = Builder::fast, .learns = true});
     const std::vector<Hit> expected = closest_hit(bvh, rays());
     trace_until_ended(bvh);
-    EXPECT_FALSE(bvh.is_replaced());
+    EXPECT_FALSE(is_replaced(bvh));
     EXPECT_TRUE(same(closest_hit(bvh, rays()), expected));
 }
 
@@ -283,14 +284,14 @@ TEST(Learning, TheFirstTreeAnswersIfTheOtherCannot) {
         if (batch == 110) wait_for_build(bvh);
         bool answered = false;
         trace_and_learn(device(), bvh, {}, 1, {}, [&](const Bvh& tree) {
-            if (&tree.state() != &bvh.state()) ++failures, throw Error(ErrorKind::device, "out of device memory");
+            if (&state_of(tree) != &state_of(bvh)) ++failures, throw Error(ErrorKind::device, "out of device memory");
             answered = true;
         });
         device().finish();
         EXPECT_TRUE(answered) << batch;
     }
     EXPECT_EQ(failures, 1);
-    EXPECT_FALSE(bvh.is_replaced());
+    EXPECT_FALSE(is_replaced(bvh));
 }
 
 /// As many as are wanted are traced twice, even if the program never waits for a batch.
@@ -333,7 +334,7 @@ TEST(Learning, ThreadsWithQueuesOfTheirOwn) {
             }
         });
     for (std::thread& thread : threads) thread.join();
-    EXPECT_NE(bvh.state().search(), nullptr);
+    EXPECT_NE(state_of(bvh).search(), nullptr);
     EXPECT_EQ(wrong, std::vector<unsigned>(queues.size()));
 }
 

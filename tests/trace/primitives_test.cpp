@@ -11,6 +11,7 @@
 #include "claray/query/all_hits.hpp"
 #include "claray/query/overlaps.hpp"
 #include "claray/query/points.hpp"
+#include "host/bvh/bvh_state.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/meshes.hpp"
@@ -217,9 +218,9 @@ TEST(OwnPrimitives, FillWideNodes) {
     for (const Builder builder : {Builder::binned, Builder::balanced, Builder::fast}) {
         const Primitives primitives = Primitives::build(device(), spheres.kind, Buffer<float>(device(), data), 5003,
                                                         {.builder = builder, .layout = Layout::wide});
-        const BvhHeader header = primitives.bvh().header();
+        const BvhHeader header = state_of(primitives.bvh()).read_header();
         std::vector<WideNode> wide(header.wide_nodes);
-        primitives.bvh().wide_nodes().read(std::span(wide));
+        state_of(primitives.bvh()).wide_nodes.read(std::span(wide));
         std::size_t nodes = 0, children = 0, blocks = 0;
         for (const WideNode& node : wide) {
             const auto used = std::count_if(node.child, node.child + CLARAY_WIDTH,

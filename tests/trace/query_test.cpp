@@ -40,7 +40,7 @@ bool same(const Hit& a, const Hit& b) {
 TEST(HostTree, GivesTheSameHits) {
     const Mesh mesh = soup(5003, 0.1f, 1);
     const std::vector<Ray> rays = random_rays(5003, 2.f, 1.f, 2);
-    const std::vector<Hit> host = closest_hit(Bvh::build_by_host(device(), std::span(&mesh, 1), {}), rays),
+    const std::vector<Hit> host = closest_hit(build_by_host(device(), std::span(&mesh, 1), {}), rays),
                            other = closest_hit(Bvh::build(device(), std::span(&mesh, 1), {}), rays);
     for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_TRUE(same(host[i], other[i])) << i;
 }
@@ -50,7 +50,7 @@ TEST_P(QueryTest, ATreeFromElsewhereGivesTheSameHits) {
     const std::span<const Mesh> meshes(&mesh, 1);
     Bvh::Config config;
     config.layout = GetParam();
-    const Bvh bvh = Bvh::build_by_host(device(), meshes, build_host_tree(meshes), config);
+    const Bvh bvh = bvh_of(device(), meshes, build_host_tree(meshes), config);
     EXPECT_EQ(bvh.layout(), GetParam());
     expect_oracle_hits(bvh, mesh, random_rays(20'011, 3.f, 1.f, 2));
 }

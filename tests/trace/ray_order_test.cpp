@@ -8,6 +8,7 @@
 
 #include "claray/bvh.hpp"
 #include "claray/program.hpp"
+#include "host/bvh/bvh_state.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/meshes.hpp"
 
@@ -58,12 +59,12 @@ TEST(RayOrder, KeysAreCellsOfStartsAndDirections) {
         std::vector<Ray> rays = random_rays(count, 0.9f, 1.f, 4);
         for (std::size_t i = 0; i < count; i += 3) rays[i].ox *= 3.f, rays[i].oy *= 3.f;  // outside of the box, some
         const Buffer<std::uint32_t> keys(device(), count + 1);
-        Kernel(make_keys).run({(count + 1023) / 1024, 1}, bvh.header_buffer(), Buffer<Ray>(device(), rays),
+        Kernel(make_keys).run({(count + 1023) / 1024, 1}, state_of(bvh).header, Buffer<Ray>(device(), rays),
                               std::uint32_t(count), keys);
         const std::vector<std::uint32_t> found = keys.read();
         std::size_t told = 0;
         for (std::size_t i = 0; i < count; ++i) {
-            const std::int64_t expected = expected_key(rays[i], bvh.header());
+            const std::int64_t expected = expected_key(rays[i], state_of(bvh).read_header());
             if (expected < 0) continue;
             ++told;
             ASSERT_EQ(found[i], std::uint32_t(expected)) << "ray " << i << " of " << count;
@@ -77,7 +78,7 @@ std::uint32_t unordered(const Bvh& bvh, const std::vector<Ray>& rays) {
     Buffer<std::uint32_t> queue(device(), 3);
     queue.fill(7);
     load_kernel(device(), "trace/queue/ray_order.cl", "sample_order")
-        .run({1, 1}, bvh.header_buffer(), Buffer<Ray>(device(), rays), std::uint32_t(rays.size()), queue);
+        .run({1, 1}, state_of(bvh).header, Buffer<Ray>(device(), rays), std::uint32_t(rays.size()), queue);
     const std::vector<std::uint32_t> words = queue.read();
     EXPECT_EQ(words[0], 7u);
     EXPECT_EQ(words[1], 7u);

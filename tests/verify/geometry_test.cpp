@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "claray/query.hpp"
+#include "host/bvh/bvh_state.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/query.hpp"
@@ -22,8 +23,8 @@ std::vector<std::uint32_t> count_claims(const Bvh& bvh, const std::vector<Ray>& 
     const Buffer<Ray> device_rays(device(), rays);
     Buffer<std::uint32_t> counts(device(), rays.size());
     load_kernel(device(), "verify/count_claims.cl", "count_claims")
-        .run({rays.size(), 64}, bvh.header_buffer(), bvh.nodes(), bvh.leaves(), device_rays, std::uint32_t(rays.size()),
-             counts);
+        .run({rays.size(), 64}, state_of(bvh).header, state_of(bvh).nodes, state_of(bvh).leaves, device_rays,
+             std::uint32_t(rays.size()), counts);
     return counts.read();
 }
 

@@ -5,10 +5,10 @@
 
 #include <glm/gtc/packing.hpp>
 
-#include "host/accuracy/image_error.hpp"
 #include "host/accuracy/studies/image_sweep.hpp"
 #include "host/measure/measure.hpp"
 #include "host/render/film/film.hpp"
+#include "host/render/film/image_error.hpp"
 
 namespace claray {
 namespace {

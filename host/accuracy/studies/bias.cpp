@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "host/accuracy/pixels.hpp"
 #include "host/base/in_parallel.hpp"
+#include "host/render/film/pixels.hpp"
 
 namespace claray {
 namespace {
@@ -55,10 +55,9 @@ double doubtful(std::size_t renders) {
            (5 * std::pow(z, 5) + 16 * z * z * z + 3 * z) / (96 * freedom * freedom);
 }
 
-RenderConfig with_ambient(RenderConfig config, float reach, glm::vec3 radiance) {
-    config.ambient = {reach, radiance};
-    return config;
-}
+/// Ambient occlusion (Landis 2002): where a path first meets a rough surface, all light but that of lamps has one
+/// constant radiance. Surfaces within reach block it, and reflect it once with their albedo.
+AmbientData ambient_data(float reach, glm::vec3 radiance) { return {radiance.r, radiance.g, radiance.b, reach}; }
 
 const std::vector<MacroScope::Macro> ambient_kernels = {{"render/shade_surface", "TECHNIQUES", 1},
                                                         {"render/shade_surface", "AMBIENT", 1},
@@ -73,7 +72,7 @@ public:
         : device_(device),
           scene_(scene),
           config_(config),
-          whole_(mean_of_image({}, config)),
+          whole_(mean_of_image({}, {})),
           dark_(mean_with(1, glm::vec3(0))) {}
 
     [[nodiscard]] glm::vec3 within(float reach) const {
@@ -84,13 +83,13 @@ public:
 
 private:
     [[nodiscard]] glm::dvec3 mean_with(float reach, glm::vec3 radiance) const {
-        return mean_of_image(ambient_kernels, with_ambient(config_, reach, radiance));
+        return mean_of_image(ambient_kernels, ambient_data(reach, radiance));
     }
     [[nodiscard]] glm::dvec3 mean_of_image(const std::vector<MacroScope::Macro>& macros,
-                                           const RenderConfig& config) const {
+                                           const AmbientData& ambient) const {
         glm::dvec3 sum(0);
         const std::vector<glm::vec3> image =
-            render_with(device_, scene_, config, macros)(config.seed, config.spp).image;
+            render_with(device_, scene_, config_, macros, ambient)(config_.seed, config_.spp).image;
         for (const glm::vec3& pixel : image) sum += glm::dvec3(pixel);
         return sum / double(image.size());
     }
@@ -225,8 +224,9 @@ Study study_bias(const Device& device, const Scene& scene, const StudyOptions& o
         const AmbientRadiance ambient(device, scene, config);
         for (const float share : reaches) {
             const float reach = std::max(share * size, std::numeric_limits<float>::min());
-            add("ambient occlusion", share > 0 ? printed("within %g of the scene", share) : "without occlusion", share,
-                with_ambient(config, reach, ambient.within(reach)), ambient_kernels);
+            add_images("ambient occlusion", share > 0 ? printed("within %g of the scene", share) : "without occlusion",
+                       share,
+                       render_with(device, scene, config, ambient_kernels, ambient_data(reach, ambient.within(reach))));
         }
     }
     mark_front(study.points);

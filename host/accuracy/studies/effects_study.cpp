@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/accuracy/pixels.hpp"
 #include "host/accuracy/studies/bias.hpp"
+#include "host/render/film/pixels.hpp"
 
 namespace claray {
 namespace {

@@ -1,8 +1,8 @@
 // Study of filters: three texture filters, and images of fewer pixels.
 #include <algorithm>
 
-#include "host/accuracy/pixels.hpp"
 #include "host/accuracy/studies/image_sweep.hpp"
+#include "host/render/film/pixels.hpp"
 
 namespace claray {
 namespace {

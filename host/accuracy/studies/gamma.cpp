@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/accuracy/image_error.hpp"
-#include "host/accuracy/pixels.hpp"
 #include "host/accuracy/studies/image_sweep.hpp"
 #include "host/base/color.hpp"
 #include "host/base/in_parallel.hpp"
+#include "host/render/film/image_error.hpp"
+#include "host/render/film/pixels.hpp"
 
 namespace claray {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "host/accuracy/image_error.hpp"
+#include "host/render/film/image_error.hpp"
 
 namespace claray {
 namespace {

@@ -25,18 +25,23 @@ AllKept& all_kept() {
 }  // namespace
 
 MacroScope::MacroScope(const Device& device, const std::vector<Macro>& macros)
-    : device_(device), before_(device.state().tuning) {
+    : device_(device), before_(state_of(device).tuning) {
     for (const Macro& macro : macros) device_.set_tuning(macro.kernel, macro.name, macro.value);
 }
-MacroScope::~MacroScope() { device_.state().tuning = before_; }
+MacroScope::~MacroScope() { state_of(device_).tuning = before_; }
 
 std::uint64_t bytes_of_renderer(const Device& device, const Scene& scene) {
     return ample_bytes_of(scene) + device.info().memory / share_of_wavefront;
 }
 
 KeptRenderer::KeptRenderer(const Device& device, const Scene& scene, const RenderConfig& config,
-                           std::vector<MacroScope::Macro> macros, double short_seconds)
-    : device_(device), scene_(scene), config_(config), macros_(std::move(macros)), short_seconds_(short_seconds) {
+                           std::vector<MacroScope::Macro> macros, double short_seconds, const AmbientData& ambient)
+    : device_(device),
+      scene_(scene),
+      config_(config),
+      macros_(std::move(macros)),
+      short_seconds_(short_seconds),
+      ambient_(ambient) {
     config_.seconds = config_.noise = config_.error = 0;
     AllKept& all = all_kept();
     const std::lock_guard lock(all.mutex);
@@ -57,7 +62,7 @@ void KeptRenderer::make_room() const {
     while (bytes_in_use(device_) + needed > most) {
         KeptRenderer* oldest = nullptr;
         for (KeptRenderer* other : all.renderers)
-            if (&other->device_.state() == &device_.state() && other->renderer_ &&
+            if (&state_of(other->device_) == &state_of(device_) && other->renderer_ &&
                 (!oldest || other->last_use_ < oldest->last_use_))
                 oldest = other;
         if (!oldest) return;
@@ -67,7 +72,9 @@ void KeptRenderer::make_room() const {
 
 void KeptRenderer::make() {
     make_room();
-    renderer_.emplace(device_, scene_, config_).state().settle();
+    Renderer::State& state = state_of(renderer_.emplace(device_, scene_, config_));
+    state.wavefront.frame().ambient = ambient_;
+    state.settle();
     last_ = {};
 }
 
@@ -90,7 +97,7 @@ Rendered KeptRenderer::render(std::uint32_t seed, unsigned spp, unsigned max_dep
     }
     double before = 0;
     if (continues(seed, spp, max_depth))
-        renderer_->state().extend(spp), before = last_.seconds;
+        state_of(*renderer_).extend(spp), before = last_.seconds;
     else
         renderer_->restart(seed, spp, max_depth);
     last_ = {seed, spp, max_depth, before + renderer_->render().seconds};
@@ -98,8 +105,9 @@ Rendered KeptRenderer::render(std::uint32_t seed, unsigned spp, unsigned max_dep
 }
 
 RenderMethod render_with(const Device& device, const Scene& scene, const RenderConfig& config,
-                         std::vector<MacroScope::Macro> macros) {
-    return [kept = std::make_shared<KeptRenderer>(device, scene, config, std::move(macros))](
+                         std::vector<MacroScope::Macro> macros, const AmbientData& ambient) {
+    constexpr double short_seconds = 0.1;
+    return [kept = std::make_shared<KeptRenderer>(device, scene, config, std::move(macros), short_seconds, ambient)](
                std::uint32_t seed, unsigned spp) { return kept->render(seed, spp); };
 }
 

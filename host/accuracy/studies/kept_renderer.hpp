@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "claray/renderer.hpp"
+#include "claray/shared/path.h"
 
 namespace claray {
 
@@ -43,9 +44,10 @@ private:
 /// used. The scene must outlive it. Kept renderers of a device are for one thread at a time.
 class KeptRenderer {
 public:
-    /// `short_seconds`: after a shorter render the next one begins anew.
+    /// `short_seconds`: after a shorter render the next one begins anew. `ambient`: for kernels with AMBIENT.
     KeptRenderer(const Device& device, const Scene& scene, const RenderConfig& config,
-                 std::vector<MacroScope::Macro> macros = {}, double short_seconds = 0.1);
+                 std::vector<MacroScope::Macro> macros = {}, double short_seconds = 0.1,
+                 const AmbientData& ambient = {});
     ~KeptRenderer();
     KeptRenderer(const KeptRenderer&) = delete;
     KeptRenderer& operator=(const KeptRenderer&) = delete;
@@ -67,6 +69,7 @@ private:
     RenderConfig config_;
     std::vector<MacroScope::Macro> macros_;
     double short_seconds_;
+    AmbientData ambient_;
     std::optional<Renderer> renderer_;
     std::uint64_t last_use_ = 0;
     /// Of the last image.
@@ -81,7 +84,7 @@ private:
 using RenderMethod = std::function<Rendered(std::uint32_t seed, unsigned spp)>;
 /// By a renderer that is kept until the last copy of the method is gone.
 [[nodiscard]] RenderMethod render_with(const Device& device, const Scene& scene, const RenderConfig& config,
-                                       std::vector<MacroScope::Macro> macros = {});
+                                       std::vector<MacroScope::Macro> macros = {}, const AmbientData& ambient = {});
 /// One image with all samples of `config.spp`.
 [[nodiscard]] Rendered render_image(const Device& device, const Scene& scene, const RenderConfig& config);
 

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "claray/shared/study_nodes.h"
+#include "host/bvh/bvh_state.hpp"
 #include "host/measure/measure.hpp"
 #include "host/measure/rays.hpp"
 
@@ -35,12 +36,12 @@ public:
 
 private:
     void quantize() {
-        const auto nodes = std::uint32_t(binary_.nodes().size());
+        const auto nodes = std::uint32_t(state_of(binary_).nodes.size());
         const std::size_t words = CLARAY_QUANTIZED_WORDS(variant_.node_bits);
         quantized_ = Buffer<std::uint32_t>(binary_.device(), words * nodes);
         load_kernel(binary_.device(), "accuracy/quantize_nodes.cl", "quantize_nodes",
                     {{"NODE_BITS", std::to_string(variant_.node_bits)}})
-            .run({nodes, 64}, binary_.nodes(), nodes, quantized_);
+            .run({nodes, 64}, state_of(binary_).nodes, nodes, quantized_);
     }
 
     /// Groups and items are those of the shipped query.
@@ -64,9 +65,9 @@ private:
         const auto count = std::uint32_t(rays_.size());
         const Range range{(count + rays_per_item() - 1) / rays_per_item(), group()};
         const auto start = [&](const auto& nodes) {
-            kernel.run(range, binary_.header_buffer(), nodes, binary_.leaves(), rays_, count, hits_, visits);
+            kernel.run(range, state_of(binary_).header, nodes, state_of(binary_).leaves, rays_, count, hits_, visits);
         };
-        variant_.node_bits == 32 ? start(binary_.nodes()) : start(quantized_);
+        variant_.node_bits == 32 ? start(state_of(binary_).nodes) : start(quantized_);
     }
 
     RayVariant variant_;

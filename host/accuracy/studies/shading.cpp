@@ -1,8 +1,8 @@
 // Study of shading models: flat and Gouraud shading of a ball against Phong shading, over its number of triangles.
 #include <string>
 
-#include "host/accuracy/image_error.hpp"
 #include "host/accuracy/studies/image_sweep.hpp"
+#include "host/render/film/image_error.hpp"
 
 namespace claray {
 namespace {

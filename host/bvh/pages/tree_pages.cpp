@@ -6,7 +6,7 @@
 namespace claray {
 
 void renumber_triangles(Bvh& bvh, std::span<const std::uint32_t> numbers) {
-    Bvh::State& state = bvh.state();
+    Bvh::State& state = state_of(bvh);
     state.stop_learning();
     const BvhHeader header = state.read_header();
     if (state.layout == Layout::binary) {
@@ -34,7 +34,7 @@ void TreePages::take(State& of, std::size_t nodes, std::size_t leaves) {
 }
 
 TreePages::TreePages(const Bvh& bvh) : bvh_(bvh) {
-    Bvh::State& state = bvh_->state();
+    Bvh::State& state = state_of(*bvh_);
     const BvhHeader header = state.read_header();
     state.keep_tree_only();
     if (state.layout == Layout::wide)
@@ -44,7 +44,7 @@ TreePages::TreePages(const Bvh& bvh) : bvh_(bvh) {
 }
 
 TreePages::TreePages(const InstancedBvh& instanced) : instanced_(instanced) {
-    InstancedBvh::State& state = instanced_->state();
+    InstancedBvh::State& state = state_of(*instanced_);
     if (state.shared) {
         *this = TreePages(*state.shared);
         instanced_ = instanced;

@@ -16,14 +16,14 @@ void add_exposure_option(CLI::App& command, RenderOptions& o) {
         .add_option_function<std::string>(
             "--exposure",
             [&o](const std::string& text) {
-                o.auto_exposure = text == "auto";
+                o.auto_exposure = text == "automatic";
                 o.exposure = o.auto_exposure ? std::nullopt : std::optional(parse_numbers(text).at(0));
             },
-            "Brighten a PNG by this many stops, or auto: by as many as show its surfaces in a medium brightness [auto\n"
-            "where they would be mostly white or black, else 0]")
+            "Brighten a PNG by this many stops, or automatic: by as many as show its surfaces in a medium brightness\n"
+            "[automatic where they would be mostly white or black, else 0]")
         ->check([number = finite_number()](const std::string& text) {
-            const std::string mistake = text == "auto" ? std::string() : number(text);
-            return mistake.empty() ? mistake : mistake + ", or auto";
+            const std::string mistake = text == "automatic" ? std::string() : number(text);
+            return mistake.empty() ? mistake : mistake + ", or automatic";
         })
         ->type_name("STOPS");
 }

@@ -121,13 +121,13 @@ std::filesystem::path numbered(const std::filesystem::path& output, unsigned fra
            name.replace(percent, end + 1 - percent, printed("%0*u", digits.empty() ? 1 : digits[1] - '0', frame));
 }
 
-bool is_film(const std::filesystem::path& output) { return output == "-" || output.extension() == ".y4m"; }
+bool is_video(const std::filesystem::path& output) { return output == "-" || output.extension() == ".y4m"; }
 
 bool is_of_bytes(const std::filesystem::path& output) {
     std::string extension = output.extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(),
                    [](unsigned char c) { return char(std::tolower(c)); });
-    return is_film(output) || extension == ".png";
+    return is_video(output) || extension == ".png";
 }
 
 bool is_layer(const std::filesystem::path& output, const std::string& aov) {
@@ -156,7 +156,7 @@ std::pair<std::filesystem::path, std::filesystem::path> aov_paths(const std::fil
 
 std::vector<NamedFile> outputs_of(const RenderOptions& options) {
     std::vector<NamedFile> outputs = {
-        {"--output", is_film(options.output) ? film_file(options.output) : options.output},
+        {"--output", is_video(options.output) ? video_file(options.output) : options.output},
         {"--checkpoint", options.config.checkpoint},
         {"--trace", options.trace}};
     for (const std::string& name : options.aovs) {
@@ -180,7 +180,7 @@ std::vector<NamedFile> inputs_of(const RenderOptions& options) {
 }
 
 void check_outputs(const RenderOptions& options) {
-    if (!options.output.empty() && !is_film(options.output)) check_writable(options.output);  // its extension, too
+    if (!options.output.empty() && !is_video(options.output)) check_writable(options.output);  // its extension, too
     check_outputs(outputs_of(options), inputs_of(options));
 }
 

@@ -71,9 +71,9 @@ void add_light_grid_options(CLI::App& command, LightGridConfig& grid);
 [[nodiscard]] std::filesystem::path numbered(const std::filesystem::path& output, unsigned frame);
 
 /// Whether the frames of an animation go to one stream (.y4m, or "-" for standard output).
-[[nodiscard]] bool is_film(const std::filesystem::path& output);
+[[nodiscard]] bool is_video(const std::filesystem::path& output);
 
-/// Whether an image or a film has colours of 8 bits, for which exposure and tone map choose: .png, .y4m and "-".
+/// Whether an image or a video has colours of 8 bits, for which exposure and tone map choose: .png, .y4m and "-".
 [[nodiscard]] bool is_of_bytes(const std::filesystem::path& output);
 
 /// Puts light maps on meshes. Throws ErrorKind::usage for text that is not MESH=FILE.

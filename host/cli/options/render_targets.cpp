@@ -32,12 +32,12 @@ void check_frames(const CLI::App& command, RenderOptions& o) {
     refuse_without(command, "--orbit", "--fps");
     refuse_both(command, "--fps", {"--frame-rate"},
                 "--fps is for rendering in real time, --frame-rate for an animation");
-    if (is_film(o.output) && (command.count("--frames") == 0 || o.fps > 0))
+    if (is_video(o.output) && (command.count("--frames") == 0 || o.fps > 0))
         throw Error(ErrorKind::usage,
-                    "--output: '" + o.output.string() + "' is a film, which needs the frames of an animation",
+                    "--output: '" + o.output.string() + "' is a video, which needs the frames of an animation",
                     "add --frames FIRST..LAST, or write .png, .hdr, .pfm or .exr");
     if (o.output == "-" && o.json)
-        throw Error(ErrorKind::usage, "--json: standard output has the film", "write the film to a file");
+        throw Error(ErrorKind::usage, "--json: standard output has the video", "write the video to a file");
     if (command.count("--frames") == 0) return;
     if (o.fps > 0) {
         const auto frames = parse_number<unsigned>(o.frames_text);
@@ -48,7 +48,7 @@ void check_frames(const CLI::App& command, RenderOptions& o) {
         return;
     }
     o.animation = parse_frames(o.frames_text);
-    if (is_film(o.output)) refuse_both(command, "--aov", {"--frames"}, "a film has no place for them: write images");
+    if (is_video(o.output)) refuse_both(command, "--aov", {"--frames"}, "a video has no place for them: write images");
     refuse_both(command, "--frames", {"--at"}, "the frames define the times");
     refuse_both(command, "--frames", {"--checkpoint", "--resume", "--trace"}, "--frames renders several images");
 }
@@ -73,7 +73,7 @@ void add_target_options(CLI::App& command, RenderOptions& o) {
         .add_option(
             "--frames", o.frames_text,
             "FIRST..LAST: write an image per frame of an animation, as OUTPUT.0000.png or by %04d in OUTPUT, or "
-            "all to one film, if OUTPUT is a .y4m or - (standard output, for ffmpeg -i -); "
+            "all to one video, if OUTPUT is a .y4m or - (standard output, for ffmpeg -i -); "
             "with --fps: number of frames [300]")
         ->type_name("RANGE");
     command.add_option("--orbit", o.orbit, "Degrees by which the camera turns round its target, with --fps [0]")

@@ -8,7 +8,6 @@
 #include <cstring>
 #include <string>
 
-#include "host/accuracy/study.hpp"
 #include "host/base/format.hpp"
 
 namespace claray::cli {
@@ -54,7 +53,7 @@ std::string noise_text(const RenderProgress& progress) {
 std::string time_left(const RenderProgress& progress, double fraction) {
     if (fraction < 1e-4 || fraction >= 1) return {};
     const double seconds = progress.seconds * (1 - fraction) / fraction;
-    return ", " + (seconds < 120 ? printed("%.1f s", seconds) : told_time(seconds)) + " left";
+    return ", " + (seconds < 120 ? printed("%.1f s", seconds) : duration_text(seconds)) + " left";
 }
 
 }  // namespace

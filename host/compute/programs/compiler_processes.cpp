@@ -97,7 +97,7 @@ Compilers compilers;
 void set_compiler_program(const std::string& path) { compiler_program = path; }
 
 bool has_compiler_processes(const Device& device) {
-    return !compiler_program.empty() && device.state().store_programs && !has_own_kernel_sources() &&
+    return !compiler_program.empty() && state_of(device).store_programs && !has_own_kernel_sources() &&
            most_processes(device) > 1;
 }
 

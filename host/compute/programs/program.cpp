@@ -126,7 +126,7 @@ std::string with_file_names(std::string log, const KernelSource& main) {
 cl::Program compile_from_source(const Device& device, const KernelSource& main, const std::string& options,
                                 std::string* log = nullptr) {
     const cl::Context& context = device.context();
-    const cl_device_id id = device.state().device();
+    const cl_device_id id = state_of(device).device();
     std::vector<cl::Program> headers;
     std::vector<cl_program> handles;
     std::vector<std::string> paths;
@@ -141,16 +141,17 @@ cl::Program compile_from_source(const Device& device, const KernelSource& main, 
     const cl_int compiled = clCompileProgram(program(), 1, &id, options.c_str(), cl_uint(handles.size()),
                                              handles.empty() ? nullptr : handles.data(),
                                              names.empty() ? nullptr : names.data(), nullptr, nullptr);
-    if (compiled != CL_SUCCESS) throw_build_error(device, main, options, build_log(program, device.state().device));
+    if (compiled != CL_SUCCESS) throw_build_error(device, main, options, build_log(program, state_of(device).device));
     cl_int linked = CL_SUCCESS;
     const cl_program object = program();
     const cl_program result =
         clLinkProgram(context(), 1, &id, is_pocl(device) ? tell_parameters : "", 1, &object, nullptr, nullptr, &linked);
     if (linked != CL_SUCCESS)
         throw_build_error(device, main, options,
-                          result ? build_log(cl::Program(result), device.state().device) : "the link step failed");
+                          result ? build_log(cl::Program(result), state_of(device).device) : "the link step failed");
     const cl::Program linked_program(result);
-    if (log) *log = build_log(program, device.state().device) + '\n' + build_log(linked_program, device.state().device);
+    if (log)
+        *log = build_log(program, state_of(device).device) + '\n' + build_log(linked_program, state_of(device).device);
     return linked_program;
 }
 
@@ -166,7 +167,7 @@ std::optional<cl::Program> compile_by_one_call(const Device& device, const Kerne
     if (headers.path().empty()) return {};
     cl::Program program(device.context(), name_line(device, main) + with_names_apart(main.text));
     try {
-        program.build({device.state().device}, (options + " -I " + headers.path().string()).c_str());
+        program.build({state_of(device).device}, (options + " -I " + headers.path().string()).c_str());
         return program;
     } catch (const cl::Error&) {
         return {};
@@ -186,8 +187,8 @@ bool has_kernels(const cl::Program& program, const std::string& parameters) {
 /// of other kernels.
 std::optional<cl::Program> build_from_binary(const Device& device, const std::vector<unsigned char>& binary,
                                              const std::string& parameters) try {
-    cl::Program program(device.context(), {device.state().device}, {binary});
-    program.build({device.state().device}, "");
+    cl::Program program(device.context(), {state_of(device).device}, {binary});
+    program.build({state_of(device).device}, "");
     return has_kernels(program, parameters) ? std::optional(program) : std::nullopt;
 } catch (const cl::Error&) {
     return {};
@@ -197,7 +198,7 @@ std::optional<cl::Program> build_from_binary(const Device& device, const std::ve
 void remember_parameters(const Device& device, const cl::Program& program, const std::string& parameters) {
     static std::mutex mutex;
     const std::lock_guard<std::mutex> lock(mutex);
-    device.state().parameters[program()] = parameters;
+    state_of(device).parameters[program()] = parameters;
 }
 
 std::optional<cl::Program> load_from_cache(const Device& device, const std::string& identity) {
@@ -256,8 +257,8 @@ cl::Program compile(const Device& device, const KernelSource& main, const std::s
     cl::Program program = by_one_call ? *by_one_call : compile_from_source(device, main, options);
     statistics.change([](CompileStatistics& s) { ++s.compiled; });
     // Also tests whether the cache is writable if nothing is stored, because another process will store.
-    const auto binaries = device.state().store_programs ? program.getInfo<CL_PROGRAM_BINARIES>()
-                                                        : std::vector<std::vector<unsigned char>>(1);
+    const auto binaries = state_of(device).store_programs ? program.getInfo<CL_PROGRAM_BINARIES>()
+                                                          : std::vector<std::vector<unsigned char>>(1);
     const std::string parameters = parameters_of(program);
     remember_parameters(device, program, parameters);
     // NVIDIA's driver keeps the machine code of a linked program under another key than that of its binary, which the
@@ -304,12 +305,15 @@ Kernel kernel_of(const Device& device, const KernelSource& main, const std::stri
                  Math math, bool user_source) try {
     const std::string options = build_options(device, defines, math);
     const std::string key = key_in_memory(main, options, user_source);
-    auto& programs = device.state().programs;
+    auto& programs = state_of(device).programs;
     auto found = programs.find(key);
     if (found == programs.end()) found = programs.emplace(key, timed_compile(device, main, options)).first;
-    Kernel kernel(device, kernel_called(function, found->second, main.path), function);
-    if (!user_source) kernel.check_arguments(device.state().parameters[found->second()]);
-    return kernel;
+    const cl::Program& program = found->second;
+    return state_of(device).kernels->take(device, program, function, [&] {
+        Kernel kernel(device, kernel_called(function, program, main.path), function);
+        if (!user_source) kernel.check_arguments(state_of(device).parameters[program()]);
+        return kernel;
+    });
 } catch (const cl::Error& error) {
     throw_device_error(device, "load the kernel " + function + " of " + main.path, error);
 }
@@ -317,7 +321,7 @@ Kernel kernel_of(const Device& device, const KernelSource& main, const std::stri
 /// A kernel's file and options, or nothing if they are no longer known.
 std::string compiled_with(const Device& device, const cl::Kernel& kernel) try {
     const auto program = kernel.getInfo<CL_KERNEL_PROGRAM>();
-    for (const auto& [key, known] : device.state().programs) {
+    for (const auto& [key, known] : state_of(device).programs) {
         if (known() != program()) continue;
         const std::size_t path = key.find('\n');
         return key.substr(0, path) + ' ' + key.substr(path + 1, key.find('\n', path + 1) - path - 1);
@@ -399,7 +403,7 @@ void Kernel::enqueue(Range range, unsigned arguments) try {
     if (range.global == 0) return;
     std::size_t global = range.global;
     if (range.local != 0) global = (global + range.local - 1) / range.local * range.local;
-    fail_if_asked(device_->state().failing_command, device_->state().failing_with);
+    fail_if_asked(state_of(*device_).failing_command, state_of(*device_).failing_with);
     device_->profiler().record(name_, [&](cl::Event* event) {
         device_->queue().enqueueNDRangeKernel(kernel_, cl::NullRange, cl::NDRange(global),
                                               range.local ? cl::NDRange(range.local) : cl::NullRange, nullptr, event);
@@ -451,8 +455,8 @@ void read_build_log(const std::string& log, BuildReport& report) {
 Kernel load_kernel(const Device& device, const std::string& file, const std::string& function, const Defines& defines,
                    Math math) {
     const Defines all = with_tuning(device, stem_of(file), defines);
-    if (device.state().requests == nullptr) return kernel_of(device, kernel_source(file), function, all, math, false);
-    if (math == Math::strict) device.state().requests->push_back({file, all});
+    if (state_of(device).requests == nullptr) return kernel_of(device, kernel_source(file), function, all, math, false);
+    if (math == Math::strict) state_of(device).requests->push_back({file, all});
     return Kernel(device, {}, function);
 }
 
@@ -463,8 +467,8 @@ std::vector<KernelRequest> requests_of(const Device& device, const std::function
     struct Noted {
         const Device& device;
         std::vector<KernelRequest> requests;
-        explicit Noted(const Device& on) : device(on) { device.state().requests = &requests; }
-        ~Noted() { device.state().requests = nullptr; }
+        explicit Noted(const Device& on) : device(on) { state_of(device).requests = &requests; }
+        ~Noted() { state_of(device).requests = nullptr; }
     } noted(device);
     load();
     return noted.requests;
@@ -482,8 +486,8 @@ void compile_jointly(const Device& device, const std::function<void()>& load, bo
         for (const KernelRequest& member : joint.members) {
             const std::string options = build_options(device, member.defines, Math::strict);
             const std::string key = key_in_memory(kernel_source(member.file), options, false);
-            const bool is_new = device.state().programs.emplace(key, program).second;
-            if (is_new && !optimized) device.state().slow_programs.push_back(key);
+            const bool is_new = state_of(device).programs.emplace(key, program).second;
+            if (is_new && !optimized) state_of(device).slow_programs.push_back(key);
         }
     } catch (const Error&) {
         return;  // each file is then compiled separately, with its own error
@@ -501,7 +505,7 @@ struct Wanted {
 /// Those that `load` requests and that the device does not have yet.
 std::vector<Wanted> wanted_by(const Device& device, const std::function<void()>& load) {
     std::vector<Wanted> wanted;
-    const auto& programs = device.state().programs;
+    const auto& programs = state_of(device).programs;
     for (const KernelRequest& request : requests_of(device, load)) {
         const std::string options = build_options(device, request.defines, Math::strict);
         const std::string key = key_in_memory(kernel_source(request.file), options, false);
@@ -543,14 +547,14 @@ void compile_for_cache(const Device& device, const ProgramRequest& program) {
 }
 
 void compile_side_by_side(const Device& device, const std::function<void()>& load) {
-    if (device.state().requests != nullptr) return load();  // part of what another call compiles
+    if (state_of(device).requests != nullptr) return load();  // part of what another call compiles
     const bool side_by_side = device.tuning("compute/programs", "SIDE_BY_SIDE") != 0;
     const bool in_processes = has_compiler_processes(device), in_threads = side_by_side || in_processes;
-    auto& programs = device.state().programs;
-    const bool seems_complete = !programs.empty() && programs.size() == device.state().programs_of_all_asked;
+    auto& programs = state_of(device).programs;
+    const bool seems_complete = !programs.empty() && programs.size() == state_of(device).programs_of_all_asked;
     if (!in_threads && (seems_complete || !is_told_of_compiling())) return;  // load_kernel does the same
     std::vector<Wanted> wanted = wanted_by(device, load);
-    if (wanted.empty()) device.state().programs_of_all_asked = programs.size();
+    if (wanted.empty()) state_of(device).programs_of_all_asked = programs.size();
     const auto begin = std::chrono::steady_clock::now();
     for_each(wanted.size(), in_threads, [&](std::size_t i) { wanted[i].program = load_if_cached(device, wanted[i]); });
     std::vector<ProgramRequest> missing;
@@ -572,8 +576,13 @@ void compile_side_by_side(const Device& device, const std::function<void()>& loa
 }
 
 void forget_slow_programs(const Device& device) {
-    for (const std::string& key : device.state().slow_programs) device.state().programs.erase(key);
-    device.state().slow_programs.clear();
+    auto& programs = state_of(device).programs;
+    for (const std::string& key : state_of(device).slow_programs)
+        if (const auto slow = programs.find(key); slow != programs.end()) {
+            state_of(device).kernels->forget(slow->second);
+            programs.erase(slow);
+        }
+    state_of(device).slow_programs.clear();
 }
 
 Kernel compile_kernel(const Device& device, const std::string& source, const std::string& function,

@@ -7,7 +7,7 @@
 #include "host/bsdf/material_data.hpp"
 #include "host/render/bake/texel_points.hpp"
 #include "host/render/film/film.hpp"
-#include "host/render/schedule/schedule.hpp"
+#include "host/render/schedule/pass_schedule.hpp"
 #include "host/render/wavefront.hpp"
 
 namespace claray {
@@ -69,7 +69,7 @@ std::vector<glm::vec3> radiance_of(const Device& device, const Scene& scene, con
                         std::uint64_t(count) * config.spp);
     const Buffer<Hit> points(device, texels.points);
     Film film(device, count);
-    Schedule schedule(count, config.spp, wavefront.capacity());
+    PassSchedule schedule(count, config.spp, wavefront.capacity());
     Pace pace(device.tuning("render/wavefront", "FIRST_PATHS"), wavefront.capacity());
     const double all = double(count) * config.spp;
     while (!schedule.finished()) {

@@ -28,7 +28,7 @@ struct CheckpointHeader {
     std::uint32_t order;
     std::uint32_t pixel_bytes;
     std::uint32_t width, height;
-    Schedule::Position position;
+    PassSchedule::Position position;
     std::uint32_t tells_error;
     std::uint32_t halves, zero;  // number of half tiles, see AdaptiveSchedule::Position
     ErrorLooks looks;
@@ -130,7 +130,7 @@ private:
 /// Whether each pixel has at most one pending batch, of samples that end where the whole image is between two passes.
 bool are_before(const std::vector<Batch>& pending, const CheckpointHeader& header) {
     std::uint64_t next = 0;  // pixel
-    const Schedule::Position& at = header.position;
+    const PassSchedule::Position& at = header.position;
     for (const Batch& batch : pending) {
         const bool sound = batch.first_pixel >= next && batch.pixels > 0 && batch.samples > 0 && batch.listed == 0 &&
                            std::uint64_t(batch.first_sample) + batch.samples == at.done;
@@ -209,7 +209,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const RenderIdenti
     if (header.kernels != identity.kernels)
         file.refuse("it was written by a version of claray with other kernels",
                     "use that version, or render from the start");
-    const Schedule::Position& at = header.position;
+    const PassSchedule::Position& at = header.position;
     const bool within = at.pixel != 0 || at.sample != 0;
     if (header.halves == 0 && (at.pixel >= header.width * header.height || (within && at.sample >= at.pass)))
         file.refuse_damaged("its position is outside the image");

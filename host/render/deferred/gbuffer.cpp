@@ -70,10 +70,10 @@ glm::vec3 position_of(const GBuffer& buffer, std::size_t pixel) {
 
 GBuffer Renderer::gbuffer(NormalPacking packing) const {
     State& state = *state_;
-    if (!state.gbuffer)
-        state.gbuffer.emplace(state.buffers, state.wavefront.kernel_effects(),
-                              std::min<std::uint32_t>(state.wavefront.capacity(), state.pixels()));
-    return state.gbuffer->run(state.wavefront, state.buffers, packing, float(2 * state.buffers.radius()));
+    if (!state.outputs.gbuffer)
+        state.outputs.gbuffer.emplace(state.buffers, state.wavefront.kernel_effects(),
+                                      std::min<std::uint32_t>(state.wavefront.capacity(), state.pixels()));
+    return state.outputs.gbuffer->run(state.wavefront, state.buffers, packing, float(2 * state.buffers.radius()));
 }
 
 }  // namespace claray

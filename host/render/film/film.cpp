@@ -197,10 +197,10 @@ std::vector<float> Film::variances(const char* name, std::uint32_t items, const 
 
 std::vector<float> Film::noise_map() const { return variances("map_noise", count_, count_); }
 
-std::vector<float> Film::worth_of_samples(std::uint32_t width) const {
+std::vector<float> Film::gain_per_sample(std::uint32_t width) const {
     const auto along = [](std::uint32_t side) { return (side + CLARAY_TILE_SIDE - 1) / CLARAY_TILE_SIDE; };
     const std::uint32_t height = count_ / width;
-    return variances("map_worth", 2 * along(width) * along(height), width, height);
+    return variances("map_gain", 2 * along(width) * along(height), width, height);
 }
 
 /// Let v be the variance of a pixel estimated from its two halves, with the true value s^2. v is s^2 times a chi^2

@@ -87,7 +87,7 @@ public:
     /// 0.05), as the mean over half h of tile t in element 2 t + h, of a film with rows of `width` pixels. Tiles have
     /// CLARAY_TILE_SIDE pixels per side; their halves are the two colours of a checkerboard, that of the first pixel
     /// first. Blocks.
-    [[nodiscard]] std::vector<float> worth_of_samples(std::uint32_t width) const;
+    [[nodiscard]] std::vector<float> gain_per_sample(std::uint32_t width) const;
 
     struct Error {
         double estimate = 0;  ///< root mean square of all channels over the mean; 0: unknown

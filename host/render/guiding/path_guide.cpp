@@ -190,10 +190,10 @@ void PathGuide::trace_part(const Batch& part, unsigned spp, Wavefront& wavefront
     const Phase phase = phase_of(part);
     if (phase >= first_phase && phase > phase_) learn_until(phase, wavefront, scene);
     const bool teaches = phase == phase_ && pays_to_teach(phase, spp) && follows(part);
-    wavefront.set_guide(data_for(phase, teaches, wavefront, scene));
+    wavefront.frame().guide = data_for(phase, teaches, wavefront, scene);
     wavefront.trace(part);
     if (teaches) learn(part, wavefront), advance(part);
-    wavefront.set_guide({});
+    wavefront.frame().guide = {};
 }
 
 bool PathGuide::follows(const Batch& part) const {
@@ -236,7 +236,7 @@ void PathGuide::trace_runs(std::uint32_t first_sample, std::uint32_t samples, Wa
                            SceneBuffers& scene) {
     const std::uint32_t at_once = std::min(samples, wavefront.capacity());
     const std::uint32_t run = every_ == 1 ? pixels_ : CLARAY_GUIDE_RUN;
-    wavefront.set_guide(data_for(phase_, true, wavefront, scene));
+    wavefront.frame().guide = data_for(phase_, true, wavefront, scene);
     for (std::uint32_t pixel = 0; pixel < pixels_;) {
         if (pixel / CLARAY_GUIDE_RUN % every_ != 0) {
             pixel += CLARAY_GUIDE_RUN;
@@ -251,7 +251,7 @@ void PathGuide::trace_runs(std::uint32_t first_sample, std::uint32_t samples, Wa
         }
         pixel += pixels;
     }
-    wavefront.set_guide({});
+    wavefront.frame().guide = {};
 }
 
 void PathGuide::forget() {

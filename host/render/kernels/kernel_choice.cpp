@@ -44,7 +44,7 @@ std::string key_of_kernels(const Device& device, const KernelChoice& choice, con
     const Builder builder = builder_for(config.bvh.builder, device, structure.has(Effect::instances));
     std::string all = "renderer " + part + (lit ? " with shadows\n" : "\n") + info.platform + '\n' + info.name + '\n' +
                       info.driver + '\n' + info.version + '\n' + hash_of_kernel_sources() + '\n';
-    for (const auto& [name, value] : device.state().tuning) all += name + ' ' + std::to_string(value) + '\n';
+    for (const auto& [name, value] : state_of(device).tuning) all += name + ' ' + std::to_string(value) + '\n';
     for (const int value : {int(choice.layout), int(config.sampler), int(builder), int(config.bvh.morton_bits),
                             int(config.bvh.max_leaf_triangles), int(config.bvh.split_budget > 0)})
         all += std::to_string(value) + '\n';

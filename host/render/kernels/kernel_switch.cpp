@@ -43,9 +43,9 @@ WavefrontKernels Renderer::State::load_kernels(EffectSet effects) const {
 /// Waits for the first pixel. Later work is not urgent.
 void Renderer::State::first_pixel() {
     device.finish();
-    first_pixel_seconds = seconds_since(set_up);
-    first_pixel_processor_seconds = processor_seconds() - set_up_processor;
-    culled = structure.culled();
+    time.first_pixel = seconds_since(time.set_up);
+    time.first_pixel_processor = processor_seconds() - time.set_up_processor;
+    source.culled = structure.culled();
     quick_start.reset();
     own_kernels = plan.first == plan.last;
     if (own_kernels)
@@ -80,12 +80,12 @@ bool Renderer::State::better_waits_for_kernels() {
         return false;
     if (!compiler.is_asked || !is_compiling()) return false;  // another render's compiles, or it has failed
     const std::uint64_t paths_left = std::uint64_t(pixels()) * (config.spp - spp());
-    const double left = std::min(seconds_left(), 1e-3 * pace.milliseconds_of(paths_left));
-    const double sampling = seconds_since(set_up) - first_pixel_seconds - compiler.waited;
-    const double used = processor_seconds() - set_up_processor - first_pixel_processor_seconds;
-    const double of_processor = left * std::min(1.0, used / std::max(sampling, 1e-3));
-    compiler.is_waited_for = sampling > seconds_to_tell && compiler.waited < left &&
-                             of_processor > compiling_over_first_pixel * first_pixel_processor_seconds;
+    const double left = std::min(seconds_left(), 1e-3 * sampling.pace.milliseconds_of(paths_left));
+    const double sampled_for = seconds_since(time.set_up) - time.first_pixel - compiler.waited;
+    const double used = processor_seconds() - time.set_up_processor - time.first_pixel_processor;
+    const double of_processor = left * std::min(1.0, used / std::max(sampled_for, 1e-3));
+    compiler.is_waited_for = sampled_for > seconds_to_tell && compiler.waited < left &&
+                             of_processor > compiling_over_first_pixel * time.first_pixel_processor;
     return compiler.is_waited_for;
 }
 
@@ -105,7 +105,7 @@ void Renderer::State::take_over() {
 }
 
 void Renderer::State::choose_kernels(bool sampled) {
-    if (first_pixel_seconds == 0) first_pixel();
+    if (time.first_pixel == 0) first_pixel();
     if (!own_kernels) take_over_when_compiled();
     if (own_kernels && sampled) use_path_kernel(patience);
 }
@@ -132,7 +132,7 @@ PathKernelChoice Renderer::State::choose_path_kernel() const {
 /// Loading the kernel takes as long as a short render, and compiling it longer; so it waits until rendering took as
 /// long, which at worst doubles the time.
 void Renderer::State::use_path_kernel(double patience) {
-    const double seconds = seconds_since(first_begin);
+    const double seconds = seconds_since(time.first_begin);
     if (seconds >= patience / 16) adopt_path_kernel(seconds >= patience);
 }
 
@@ -160,14 +160,14 @@ void Renderer::State::adopt(const Structure& other, EffectSet effects) {
     buffers.structure = structure;
     wavefront.take_over(structure, load_kernels(effects));
     path_kernel.reset();
-    aovs.reset(), gbuffer.reset();
-    if (denoising) denoising->drop_guides();
+    outputs.drop_views();
+    if (outputs.denoising) outputs.denoising->drop_guides();
     film.reload_kernels();
 }
 
 void Renderer::load_kernels() {
     State& state = *state_;
-    if (state.first_pixel_seconds == 0 || state.spp() == 0) return;
+    if (state.time.first_pixel == 0 || state.spp() == 0) return;
     if (!state.own_kernels) state.take_over_when_compiled();
     if (!state.own_kernels) return;
     state.adopt_path_kernel(true);
@@ -184,7 +184,7 @@ void compile_kernels(const Device& device, EffectSet effects, const RenderConfig
     compile_once(device, choice, config, [&] {
         Renderer::State state(device, scene_calling_for(effects), config, 0, effects);
         state.follow_light();
-        const Batch batch = state.schedule.next();
+        const Batch batch = state.sampling.schedule.next();
         state.wavefront.trace(batch);
         state.film.accumulate(batch, state.wavefront.radiance());
         (void)state.film.image();

@@ -114,7 +114,8 @@ void SceneParts::add_part(const Scene& scene, const std::vector<SceneObject>& ob
 }
 
 void SceneParts::set_cutouts(const Buffer<std::uint32_t>& store) {
-    for (Part& part : parts_) part.instanced ? part.instanced->set_cutouts(store) : part.bvh.set_cutouts(store);
+    for (Part& part : parts_)
+        part.instanced ? state_of(*part.instanced).set_cutouts(store) : state_of(part.bvh).set_cutouts(store);
 }
 
 bool SceneParts::take_turns() const {
@@ -127,7 +128,7 @@ std::uint64_t SceneParts::bytes() const {
     std::uint64_t bytes = 0;
     for (const Part& part : parts_)
         bytes += part.instance_numbers.bytes() +
-                 (part.instanced ? part.instanced->state().bytes() : part.bvh.state().bytes());
+                 (part.instanced ? state_of(*part.instanced).bytes() : state_of(part.bvh).bytes());
     return bytes;
 }
 

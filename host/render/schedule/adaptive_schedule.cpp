@@ -45,7 +45,7 @@ std::uint32_t AdaptiveSchedule::pixels_of(std::uint32_t half) const {
 
 /// For each half tile its variance as other pixels tell it. The other half of the tile may have missed what makes the
 /// noise; the mean of all other halves of the 3x3 tiles around is a lower limit.
-std::vector<double> AdaptiveSchedule::told_by_others(const std::vector<float>& variances) const {
+std::vector<double> AdaptiveSchedule::estimate_from_other_halves(const std::vector<float>& variances) const {
     std::vector<double> rows(variances.size() / 2), result(variances.size());  // sums of three tiles side by side
     for (std::uint32_t t = 0; t < rows.size(); ++t) {
         const std::uint32_t x = t % columns_, left = x > 0, right = x + 1 < columns_;
@@ -112,7 +112,7 @@ void AdaptiveSchedule::plan(const std::vector<float>& variances) {
     }
     std::vector<float> of_one_sample = variances;
     for (std::uint32_t h = 0; h < halves_.size(); ++h) of_one_sample[h] *= float(halves_[h]);
-    choose(told_by_others(of_one_sample));
+    choose(estimate_from_other_halves(of_one_sample));
     list_chosen();
     has_ended_ = !in_round();
 }
@@ -183,11 +183,11 @@ std::uint64_t AdaptiveSchedule::samples() const {
 }
 
 AdaptiveSchedule::Position AdaptiveSchedule::position() const {
-    return {in_round() ? Schedule::Position{0, 0, entry_, sample_} : uniform_.position(), halves_, pending_.list()};
+    return {in_round() ? PassSchedule::Position{0, 0, entry_, sample_} : uniform_.position(), halves_, pending_.list()};
 }
 
 bool AdaptiveSchedule::go_to(const Position& to) {
-    const auto within = [](const Schedule::Position& at, std::uint64_t pixels) {
+    const auto within = [](const PassSchedule::Position& at, std::uint64_t pixels) {
         return at.pixel < pixels && ((at.pixel == 0 && at.sample == 0) || at.sample < at.pass);
     };
     pending_ = PendingBatches(to.pending);

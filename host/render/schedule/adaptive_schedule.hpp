@@ -3,14 +3,14 @@
 
 #include <vector>
 
+#include "host/render/schedule/pass_schedule.hpp"
 #include "host/render/schedule/pending_batches.hpp"
-#include "host/render/schedule/schedule.hpp"
 
 namespace claray {
 
-/// A Schedule of the whole image, and with adaptive sampling rounds after its first 16 samples per pixel. Each round
-/// doubles the samples of the half tiles in which a sample lowers the estimated squared error of the image most, about
-/// a quarter of all samples so far. Tiles are squares of 8x8 pixels, and their halves are the two colours of a
+/// A PassSchedule of the whole image, and with adaptive sampling rounds after its first 16 samples per pixel. Each
+/// round doubles the samples of the half tiles in which a sample lowers the estimated squared error of the image most,
+/// about a quarter of all samples so far. Tiles are squares of 8x8 pixels, and their halves are the two colours of a
 /// checkerboard. The error of a half is estimated from other halves, whose samples are independent: chosen by its own
 /// samples, a pixel that has missed a light by chance would get fewer, and its mean would be biased. While the error is
 /// spread so evenly that this does not pay, the whole image is doubled instead. All is planned from complete earlier
@@ -27,9 +27,9 @@ public:
         bool operator==(const Round&) const = default;
     };
 
-    /// `spp`: mean samples per pixel at the end. `paths_in_flight`: see Schedule. `least_gain`: rounds begin where the
-    /// best distribution of samples has this many times less squared error than the same number everywhere, in 99 of
-    /// 100 half tiles.
+    /// `spp`: mean samples per pixel at the end. `paths_in_flight`: see PassSchedule. `least_gain`: rounds begin where
+    /// the best distribution of samples has this many times less squared error than the same number everywhere, in 99
+    /// of 100 half tiles.
     AdaptiveSchedule(std::uint32_t width, std::uint32_t height, std::uint32_t spp, std::uint32_t paths_in_flight,
                      bool adaptive, double least_gain = 1.3);
 
@@ -43,7 +43,7 @@ public:
     /// Returns whether pixels may have different numbers of samples.
     [[nodiscard]] bool has_rounds() const { return !halves_.empty(); }
     /// Plans the next round from the variance of the pixels of each half tile, or what is to be minimized instead
-    /// (Film::worth_of_samples), in any unit. If no half can be doubled within the samples left, the schedule is
+    /// (Film::gain_per_sample), in any unit. If no half can be doubled within the samples left, the schedule is
     /// finished.
     void plan(const std::vector<float>& variances);
     /// Returns whether batches number the entries of a round, not the pixels of the image.
@@ -51,7 +51,7 @@ public:
     /// Its entries have two words each (Batch), at most `words_per_pixel` words per pixel of the image.
     [[nodiscard]] const Round& round() const { return round_; }
     static constexpr std::uint32_t words_per_pixel = 8;
-    /// As of Schedule; with adaptive sampling, samples per pixel are means, and passes are rounds. Pending samples
+    /// As of PassSchedule; with adaptive sampling, samples per pixel are means, and passes are rounds. Pending samples
     /// count as a pass of their own.
     [[nodiscard]] Batch next(std::uint32_t most_paths = ~std::uint32_t(0));
     [[nodiscard]] std::uint32_t complete_passes_spp() const;
@@ -64,7 +64,7 @@ public:
     [[nodiscard]] std::uint32_t pass_samples() const { return uniform_.pass_samples(); }
 
     struct Position {
-        Schedule::Position at;  // of the image; in a round the entry and its sample
+        PassSchedule::Position at;  // of the image; in a round the entry and its sample
         /// Of each half tile, once rounds have begun: samples per pixel before the round, and `chosen` if the round
         /// doubles them.
         std::vector<std::uint32_t> halves;
@@ -81,7 +81,7 @@ private:
     /// Samples per pixel of the half tile with the fewest, before the round.
     [[nodiscard]] std::uint32_t least_samples() const;
     [[nodiscard]] std::uint64_t pixels() const { return std::uint64_t(width_) * height_; }
-    [[nodiscard]] std::vector<double> told_by_others(const std::vector<float>& variances) const;
+    [[nodiscard]] std::vector<double> estimate_from_other_halves(const std::vector<float>& variances) const;
     /// By how much the best distribution of all samples would lower the squared error of nearly all half tiles.
     [[nodiscard]] double gain(const std::vector<float>& variances) const;
     void choose(const std::vector<double>& variances);
@@ -96,7 +96,7 @@ private:
     std::uint64_t budget_;  // samples of all pixels
     bool adaptive_, has_ended_ = false;
     double least_gain_;
-    Schedule uniform_;
+    PassSchedule uniform_;
     std::vector<std::uint32_t> halves_;  // as in Position
     std::uint64_t done_ = 0;             // samples of all pixels before the round
     Round round_;

@@ -55,7 +55,7 @@ void keep_what_is_traced(const Device& queue, Bvh::State& state) {
 }  // namespace
 
 HeldTriangles read_triangles(const Device& queue, const Bvh& bvh) {
-    const Bvh::State& state = bvh.state();
+    const Bvh::State& state = state_of(bvh);
     BvhHeader header;
     detail::read(queue, state.header.memory(), 0, &header, sizeof header);
     HeldTriangles held;
@@ -70,7 +70,7 @@ HeldTriangles read_triangles(const Device& queue, const Bvh& bvh) {
 
 double seconds_to_build_best(const Device& device, std::size_t triangles) {
     constexpr double picoseconds_unknown = 1e6;
-    const auto& tuning = device.state().tuning;
+    const auto& tuning = state_of(device).tuning;
     const auto row = tuning.find("plan/model HIGH_PICOSECONDS_PER_TRIANGLE");
     const double picoseconds = row == tuning.end() || row->second == 0 ? picoseconds_unknown : row->second;
     const double least = 1e-3 * device.tuning("trace/learning", "LEAST_MILLISECONDS");
@@ -84,7 +84,7 @@ Bvh build_best(const Device& queue, HeldTriangles triangles, Bvh::Config config)
         throw Error(ErrorKind::device, "a better tree would need " + size_text(needed.bytes) +
                                            ", more than half of the memory that is left");
     Bvh better = Bvh::build(queue, upload(queue, std::move(triangles)), config);
-    keep_what_is_traced(queue, better.state());
+    keep_what_is_traced(queue, state_of(better));
     return better;
 }
 

@@ -35,7 +35,7 @@ class LearningSearch final : public TreeSearch {
 public:
     explicit LearningSearch(const Bvh& bvh)
         : bvh_(without_owning(bvh)),
-          config_(bvh.state().config),
+          config_(state_of(bvh).config),
           seconds_to_wait_(bvh.device().tuning("trace/learning", "BUILDS_TO_WAIT_FOR") *
                            seconds_to_build_best(bvh.device(), bvh.triangle_count())) {
         config_.layout = bvh.layout();
@@ -220,14 +220,14 @@ bool counts(const QueryOptions& options, const Buffer<std::uint32_t>& count) {
 
 void trace_and_learn(const Device& queue, const Bvh& bvh, const QueryOptions& options, std::size_t rays,
                      const Buffer<std::uint32_t>& count, const std::function<void(const Bvh&)>& trace) {
-    Bvh::State& state = bvh.state();
+    Bvh::State& state = state_of(bvh);
     if (!state.learns || !counts(options, count) || rays == 0) return trace(bvh);
     std::call_once(state.search_begun, [&] { state.begin_search(std::make_unique<LearningSearch>(bvh)); });
     static_cast<LearningSearch&>(*state.search()).trace(queue, bvh, rays, trace);
 }
 
 void wait_for_build(const Bvh& bvh) {
-    if (TreeSearch* search = bvh.state().search()) static_cast<LearningSearch&>(*search).wait_for_build();
+    if (TreeSearch* search = state_of(bvh).search()) static_cast<LearningSearch&>(*search).wait_for_build();
 }
 
 }  // namespace claray

@@ -2,25 +2,25 @@
 
 #include "host/trace/lists/filter.hpp"
 #include "host/trace/lists/lists.hpp"
+#include "host/trace/query_launch.hpp"
 #include "host/trace/query_options.hpp"
-#include "host/trace/schedule.hpp"
 
 namespace claray {
 namespace {
 
-Kernel load(const Bvh& bvh, const QueryOptions& options, const Schedule& schedule) {
+Kernel load(const Bvh& bvh, const QueryOptions& options, const QueryLaunch& launch) {
     QueryOptions used;
     used.cull_back_faces = options.cull_back_faces, used.closed = options.closed, used.ray_masks = options.ray_masks;
     return load_filtered(bvh.device(), "trace/lists/all_hits.cl", "collect_hits",
-                         schedule.with(query_defines(triangle_defines(bvh), used)), options.filter);
+                         launch.with(query_defines(triangle_defines(bvh), used)), options.filter);
 }
 
 /// Finds hits in lists.
 FindLists<Hit> finder(const Bvh& bvh, const Buffer<Ray>& rays, const QueryOptions& options) {
-    const Schedule schedule(bvh.device());
-    return [=, kernel = load(bvh, options, schedule)](const Buffer<std::uint32_t>& offsets, const Buffer<Hit>& hits,
-                                                      Buffer<std::uint32_t>& counts) mutable {
-        kernel.run(schedule.range(rays.size()), bvh, rays, std::uint32_t(rays.size()), arg("masks", options.ray_masks),
+    const QueryLaunch launch(bvh.device());
+    return [=, kernel = load(bvh, options, launch)](const Buffer<std::uint32_t>& offsets, const Buffer<Hit>& hits,
+                                                    Buffer<std::uint32_t>& counts) mutable {
+        kernel.run(launch.range(rays.size()), bvh, rays, std::uint32_t(rays.size()), arg("masks", options.ray_masks),
                    FilterData{options.filter}, arg("offsets", offsets), std::uint32_t(0), hits, arg("counts", counts));
     };
 }
@@ -39,9 +39,9 @@ void nearest_hits(const Bvh& bvh, const Buffer<Ray>& rays, std::uint32_t most, B
         throw Error(ErrorKind::usage, std::to_string(rays.size()) + " rays with " + std::to_string(most) +
                                           " hits each do not fit into " + std::to_string(hits.size()) + " hits");
     if (rays.size() == 0) return;
-    const Schedule schedule(bvh.device());
-    load(bvh, options, schedule)
-        .run(schedule.range(rays.size()), bvh, rays, std::uint32_t(rays.size()), arg("masks", options.ray_masks),
+    const QueryLaunch launch(bvh.device());
+    load(bvh, options, launch)
+        .run(launch.range(rays.size()), bvh, rays, std::uint32_t(rays.size()), arg("masks", options.ray_masks),
              FilterData{options.filter}, arg("offsets", nullptr), most, hits, arg("counts", counts));
 }
 

@@ -2,8 +2,8 @@
 
 #include <bit>
 
+#include "host/trace/query_launch.hpp"
 #include "host/trace/query_options.hpp"
-#include "host/trace/schedule.hpp"
 
 namespace claray {
 namespace {
@@ -14,10 +14,10 @@ void run_accepted(const Device& queue, const Bvh& bvh, const std::string& functi
     if (options.brute_force || options.visits.allocated())
         throw Error(ErrorKind::usage, "a query with a filter supports neither brute force nor visits");
     if (rays.size() == 0) return;
-    const Schedule schedule(queue);
+    const QueryLaunch launch(queue);
     load_filtered(queue, "trace/lists/filtered_hits.cl", function,
-                  schedule.with(query_defines(triangle_defines(bvh), options)), options.filter)
-        .run(schedule.range(rays.size()), bvh, rays, std::uint32_t(rays.size()), arg("count", count),
+                  launch.with(query_defines(triangle_defines(bvh), options)), options.filter)
+        .run(launch.range(rays.size()), bvh, rays, std::uint32_t(rays.size()), arg("count", count),
              arg("masks", options.ray_masks), FilterData{options.filter}, results);
 }
 

@@ -1,4 +1,5 @@
 #include "host/trace/lists/lists.hpp"
+#include "host/bvh/bvh_state.hpp"
 
 namespace claray {
 namespace {
@@ -41,7 +42,7 @@ CountedLists<T> make_lists(const Bvh& bvh, std::uint32_t queries, const FindList
     load_kernel(device, "trace/lists/lists.cl", "sort_" + kinds)
         .run({queries, 64}, arg("elements", lists.elements), arg("offsets", lists.offsets), queries,
              arg("counts", counts));
-    if (!bvh.splits()) return {lists, counts};
+    if (!state_of(bvh).splits()) return {lists, counts};
     const Lists<T> packed = upload();
     load_kernel(device, "trace/lists/lists.cl", "pack_" + kinds)
         .run({queries, 64}, arg("from", lists.elements), arg("from_offsets", lists.offsets), queries,
@@ -52,7 +53,7 @@ CountedLists<T> make_lists(const Bvh& bvh, std::uint32_t queries, const FindList
 template <class T>
 void count_results(const Bvh& bvh, std::uint32_t queries, Buffer<std::uint32_t>& counts, const FindLists<T>& find) {
     if (queries == 0) return;
-    if (!bvh.splits()) {
+    if (!state_of(bvh).splits()) {
         find({}, {}, counts);
         return;
     }

@@ -2,7 +2,7 @@
 
 #include "host/trace/lists/lists.hpp"
 #include "host/trace/query_kernel.hpp"
-#include "host/trace/schedule.hpp"
+#include "host/trace/query_launch.hpp"
 
 namespace claray {
 namespace {
@@ -26,11 +26,11 @@ std::uint32_t shapes_in(const Buffer<float>& shapes, const Shapes& kind) {
 }
 
 FindLists<Ids> finder(const Bvh& bvh, const Buffer<float>& shapes, const Shapes& kind) {
-    const Schedule schedule(bvh.device());
-    Kernel kernel = load_kernel(bvh.device(), kind.file, kind.kernel, schedule.with(solid_defines(bvh)));
+    const QueryLaunch launch(bvh.device());
+    Kernel kernel = load_kernel(bvh.device(), kind.file, kind.kernel, launch.with(solid_defines(bvh)));
     return [=, count = shapes_in(shapes, kind)](const Buffer<std::uint32_t>& offsets, const Buffer<Ids>& ids,
                                                 Buffer<std::uint32_t>& counts) mutable {
-        kernel.run(schedule.range(count), SolidBvh{bvh}, shapes, count, arg("offsets", offsets), arg("primitives", ids),
+        kernel.run(launch.range(count), SolidBvh{bvh}, shapes, count, arg("offsets", offsets), arg("primitives", ids),
                    arg("counts", counts));
     };
 }

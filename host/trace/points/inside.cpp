@@ -6,7 +6,7 @@
 #include "host/trace/lists/lists.hpp"
 #include "host/trace/points/points.hpp"
 #include "host/trace/query_kernel.hpp"
-#include "host/trace/schedule.hpp"
+#include "host/trace/query_launch.hpp"
 
 namespace claray {
 namespace {
@@ -14,13 +14,13 @@ namespace {
 /// The number of triangles above each point.
 Buffer<std::uint32_t> crossings_of(const Bvh& bvh, const Buffer<float>& points, std::uint32_t count) {
     const Device& device = bvh.device();
-    const Schedule schedule(device);
-    Kernel kernel = load_kernel(device, "trace/points/crossings.cl", "crossings", schedule.with(solid_defines(bvh)));
+    const QueryLaunch launch(device);
+    Kernel kernel = load_kernel(device, "trace/points/crossings.cl", "crossings", launch.with(solid_defines(bvh)));
     Buffer<std::uint32_t> crossings(device, count);
     count_results<std::uint32_t>(
         bvh, count, crossings,
         [&](const Buffer<std::uint32_t>& offsets, const Buffer<std::uint32_t>& ids, Buffer<std::uint32_t>& counts) {
-            kernel.run(schedule.range(count), SolidBvh{bvh}, points, count, arg("offsets", offsets),
+            kernel.run(launch.range(count), SolidBvh{bvh}, points, count, arg("offsets", offsets),
                        arg("primitives", ids), arg("counts", counts));
         });
     return crossings;
@@ -60,7 +60,7 @@ Buffer<std::uint32_t> votes_of(const Bvh& bvh, const Buffer<float>& points, std:
 
 /// An odd number for each point that is inside.
 Buffer<std::uint32_t> sides_of(const Bvh& bvh, const Buffer<float>& points, std::uint32_t count, bool vote) {
-    return vote && !bvh.is_closed() ? votes_of(bvh, points, count) : crossings_of(bvh, points, count);
+    return vote && !is_closed(bvh) ? votes_of(bvh, points, count) : crossings_of(bvh, points, count);
 }
 
 void check(std::uint32_t points, std::size_t answers) {

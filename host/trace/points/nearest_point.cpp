@@ -1,7 +1,7 @@
 #include "claray/query/points.hpp"
 #include "host/trace/points/points.hpp"
 #include "host/trace/query_kernel.hpp"
-#include "host/trace/schedule.hpp"
+#include "host/trace/query_launch.hpp"
 
 namespace claray {
 namespace {
@@ -25,14 +25,14 @@ void nearest_point(const Bvh& bvh, const Buffer<float>& points, Buffer<NearestPo
     const std::uint32_t count = points_in(points);
     check(bvh, count, nearest.size(), options);
     if (count == 0) return;
-    const Schedule schedule(bvh.device());
-    Defines defines = schedule.with(solid_defines(bvh));
+    const QueryLaunch launch(bvh.device());
+    Defines defines = launch.with(solid_defines(bvh));
     if (options.masks.allocated()) defines.emplace_back("CLARAY_RAY_MASKS", "1");
     if (options.visits.allocated()) defines.emplace_back("CLARAY_COUNT_VISITS", "1");
     if (options.brute_force) defines.emplace_back("BRUTE_FORCE", "1");
     const Buffer<std::uint32_t> order = options.sort ? point_order(bvh, points, count) : Buffer<std::uint32_t>{};
     load_kernel(bvh.device(), "trace/points/nearest_point.cl", "nearest_point", defines)
-        .run(schedule.range(count), SolidBvh{bvh}, points, nearest, count, options.reach, arg("order", order),
+        .run(launch.range(count), SolidBvh{bvh}, points, nearest, count, options.reach, arg("order", order),
              arg("masks", options.masks), options.visits);
 }
 

@@ -1,4 +1,5 @@
 #include "host/trace/points/points.hpp"
+#include "host/bvh/bvh_state.hpp"
 
 namespace claray {
 
@@ -23,7 +24,7 @@ Buffer<std::uint32_t> point_order(const Bvh& bvh, const Buffer<float>& points, s
     const Device& device = bvh.device();
     Buffer<std::uint32_t> keys(device, count), order(device, count);
     load_kernel(device, "trace/points/nearest_point.cl", "point_keys")
-        .run({count, 64}, bvh.header_buffer(), points, count, arg("keys", keys));
+        .run({count, 64}, state_of(bvh).header, points, count, arg("keys", keys));
     auto config = RadixSort<std::uint32_t>::config_for(device);
     config.key_bits = 30;
     RadixSort<std::uint32_t>(device, count, config).sort(keys, order, count);

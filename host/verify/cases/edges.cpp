@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "claray/program.hpp"
+#include "host/bvh/bvh_state.hpp"
 #include "host/verify/cases/cases.hpp"
 #include "host/verify/oracle.hpp"
 #include "host/verify/shapes.hpp"
@@ -15,7 +16,7 @@ std::vector<std::uint32_t> claims_of(const Bvh& bvh, const Buffer<Ray>& rays) {
     const auto count = std::uint32_t(rays.size());
     const Buffer<std::uint32_t> claims(bvh.device(), count);
     load_kernel(bvh.device(), "verify/count_claims.cl", "count_claims")
-        .run({count, 64}, bvh.header_buffer(), bvh.nodes(), bvh.leaves(), rays, count, claims);
+        .run({count, 64}, state_of(bvh).header, state_of(bvh).nodes, state_of(bvh).leaves, rays, count, claims);
     return claims.read();
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/base/format.hpp"
+#include "host/bvh/bvh_state.hpp"
 #include "host/verify/cases/cases.hpp"
 #include "host/verify/oracle.hpp"
 #include "host/verify/shapes.hpp"
@@ -176,7 +177,7 @@ void equal_codes(Run& run, const EqualMeshes& all, const std::string& at) {
                 faults += wrong, ++trees;
                 const double bound =
                     builder == Builder::fast ? bits + std::bit_width(mesh->triangles.size() - 1) : CLARAY_MAX_HEIGHT;
-                excess = std::max(excess, double(bvh.header().height) - bound);
+                excess = std::max(excess, double(state_of(bvh).read_header().height) - bound);
             }
     run.check("leaves missing or repeated, boxes that do not contain" + at, trees, faults, 0, "faults");
     run.check("height above bits + ceil(log2 N)" + at, trees, std::max(excess, 0.0), 0, "levels");
@@ -294,8 +295,8 @@ void stack_depth(Run& run, const Mesh& mesh, const std::vector<Ray>& rays, const
         const std::string name = layout_name + at;
         if (faults_of(bvh) > 0) run.failure("the tree is not sound" + at);
         run.check("faults of the tree, " + name, 1, faults_of(bvh), 0, "faults");
-        run.check("height over the stack, " + name, 1, bvh.header().height, CLARAY_MAX_HEIGHT, "levels");
-        if (bvh.header().height < 70) run.check("height that was provoked, " + name, 1, 1, 0, "");
+        run.check("height over the stack, " + name, 1, state_of(bvh).read_header().height, CLARAY_MAX_HEIGHT, "levels");
+        if (state_of(bvh).read_header().height < 70) run.check("height that was provoked, " + name, 1, 1, 0, "");
         const auto hits = closest_hit(bvh, rays);
         const Oracle::Verdict verdict = oracle.judge(rays, hits);
         if (verdict.wrong)

@@ -50,10 +50,10 @@ public:
     /// triangles, instances and Bvh::save refuse it by ErrorKind::usage.
     [[nodiscard]] const Bvh& bvh() const;
 
-    struct State;
-    [[nodiscard]] State& state() const { return *state_; }
+    struct State;  ///< not for users
 
 private:
+    friend struct Internals;
     std::shared_ptr<State> state_;
 };
 

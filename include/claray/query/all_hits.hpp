@@ -9,7 +9,8 @@ namespace claray {
 /// Counts the triangles that each ray hits at tmin < t <= tmax: as exact as closest_hit, a ray through an edge counts
 /// once. With QueryOptions::closed every triangle counts that contains the hit point, so that a ray through an edge
 /// counts twice. `counts` must hold at least as many elements as `rays`. Of `options` only `cull_back_faces`, `closed`,
-/// `ray_masks` and `filter` are used. Asynchronous, except for structures with split triangles (Bvh::splits).
+/// `ray_masks` and `filter` are used. Asynchronous, except for structures with split triangles
+/// (Bvh::Config::split_budget).
 void count_hits(const Bvh& bvh, const Buffer<Ray>& rays, Buffer<std::uint32_t>& counts,
                 const QueryOptions& options = {});
 

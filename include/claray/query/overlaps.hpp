@@ -18,7 +18,8 @@ struct Sphere {
 /// Spheres are 4 floats each: centre and radius. Shapes and triangles that touch overlap. The decisions are made in
 /// float64; they may be wrong only where a gap or an overlap is less than 2^-49 of the largest distance between the
 /// shape's centre and a vertex. A box with lo > hi, a negative radius and shapes that are not finite overlap nothing.
-/// `counts` must hold an element per shape. Asynchronous, except for structures with split triangles (Bvh::splits).
+/// `counts` must hold an element per shape. Asynchronous, except for structures with split triangles
+/// (Bvh::Config::split_budget).
 void count_box_overlaps(const Bvh& bvh, const Buffer<float>& boxes, Buffer<std::uint32_t>& counts);
 void count_sphere_overlaps(const Bvh& bvh, const Buffer<float>& spheres, Buffer<std::uint32_t>& counts);
 

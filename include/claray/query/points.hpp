@@ -13,7 +13,7 @@ struct PointOptions {
     float reach = std::numeric_limits<float>::infinity();  ///< the largest distance at which a point is found
     bool brute_force = false;  ///< tests every triangle: same answers, for comparison; binary layout only
     bool sort = true;  ///< answer points in an order in which neighbours are near each other. Affects speed only
-    /// `inside` and `signed_distance` of surfaces that are not closed (Bvh::is_closed): the majority of 16 rays in
+    /// `inside` and `signed_distance` of surfaces that are not closed (is_closed): the majority of 16 rays in
     /// different directions decides, instead of one. Takes 16 times as long.
     bool vote = false;
     Buffer<std::uint32_t> masks{};  ///< one per point; empty: every point sees every mesh
@@ -37,8 +37,8 @@ void nearest_point(const Bvh& bvh, const Buffer<float>& points, Buffer<NearestPo
 /// Writes 1 for every point inside of the closed mesh, else 0: whether the ray from the point along +z crosses the
 /// surface an odd number of times. `answers` must hold an element per point. Each crossing counts once, also at edges
 /// and vertices. In float64 the answer is exact (docs/numerics.md); a point on the surface may be either. If the meshes
-/// are not closed (Bvh::is_closed) or overlap each other, the answer is still that parity. Of `options` only `vote` is
-/// used. Asynchronous, except with `vote` and for structures with split triangles (Bvh::splits).
+/// are not closed (is_closed) or overlap each other, the answer is still that parity. Of `options` only `vote` is
+/// used. Asynchronous, except with `vote` and for structures with split triangles (Bvh::Config::split_budget).
 void inside(const Bvh& bvh, const Buffer<float>& points, Buffer<std::uint8_t>& answers,
             const PointOptions& options = {});
 

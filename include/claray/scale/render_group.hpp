@@ -43,10 +43,10 @@ public:
     /// As Renderer::checkpoint_error.
     [[nodiscard]] const std::string& checkpoint_error() const;
 
-    struct State;
-    [[nodiscard]] State& state() const noexcept { return *state_; }
+    struct State;  ///< not for users
 
 private:
+    friend struct Internals;
     std::unique_ptr<State> state_;
 };
 

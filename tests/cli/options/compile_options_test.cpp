@@ -48,7 +48,6 @@ const NamedChange changes[] = {
     {"adaptive", [](RenderConfig& c) { c.adaptive = true; }},
     {"max_depth", [](RenderConfig& c) { c.max_depth = 1; }},
     {"size", [](RenderConfig& c) { c.width = c.height = 16; }},
-    {"ambient", [](RenderConfig& c) { c.ambient.reach = 1; }},
 };
 
 TEST(CompileOptions, AreAllThatTheKernelsOfARenderDependOn) {

@@ -31,7 +31,7 @@ Scene in_two_meshes(Scene scene) {
 }
 
 /// Parts take turns although the device has room for all: it has as much memory as is in use and this much more.
-void leave(const Device& device, std::uint64_t bytes) { device.state().info.memory = bytes_in_use(device) + bytes; }
+void leave(const Device& device, std::uint64_t bytes) { state_of(device).info.memory = bytes_in_use(device) + bytes; }
 
 /// Each triangle in nine materials at one place: which one is hit depends on the order of equal distances, also between
 /// parts.

@@ -174,7 +174,7 @@ TEST(AdaptiveSchedule, WeighsNoiseByTheBrightnessAndByHalvesOfTiles) {
         expected[p] = (even - odd) * (even - odd) / 4 / std::sqrt((even + odd) / 2 + 0.05f);
     }
     const Buffer<float> found(device(), 2 * columns * rows);
-    load_kernel(device(), "render/measure_film.cl", "map_worth")
+    load_kernel(device(), "render/measure_film.cl", "map_gain")
         .run({2 * columns * rows, 64}, Buffer<FilmPixel>(device(), film), width, height, 1.f, found);
     const std::vector<float> halves = found.read(), means = means_of_halves(expected);
     for (std::size_t h = 0; h < means.size(); ++h) EXPECT_NEAR(halves[h], means[h], 1e-4f * means[h]) << h;

@@ -9,6 +9,8 @@
 
 #include "claray/query.hpp"
 #include "claray/shared/rng.h"
+#include "host/bvh/bvh_state.hpp"
+#include "host/bvh/instances_state.hpp"
 #include "host/textures/textures.hpp"
 #include "tests/render/scenes.hpp"
 #include "tests/render/textures/textures.hpp"
@@ -144,7 +146,7 @@ ExpectedShare brute_force_hit(const Scene& scene, const Ray& ray) {
 struct CutoutScene {
     explicit CutoutScene(const Scene& of, Layout layout)
         : textures(device(), of), bvh(Bvh::build(device(), of.meshes, {.layout = layout})) {
-        bvh.set_cutouts(textures.store);
+        state_of(bvh).set_cutouts(textures.store);
     }
     Textures textures;
     Bvh bvh;
@@ -193,9 +195,9 @@ TEST_P(Cutouts, HitsDependOnNoTree) {
     EXPECT_EQ(any_hit(on_device.bvh, rays), any_hit(on_device.bvh, rays, brute_force));
     Bvh split =
         Bvh::build(device(), scene.meshes, {.builder = Builder::high, .layout = GetParam(), .max_leaf_triangles = 4});
-    split.set_cutouts(on_device.textures.store);
+    state_of(split).set_cutouts(on_device.textures.store);
     EXPECT_TRUE(same(closest_hit(split, rays), hits));
-    split.set_cutouts({});
+    state_of(split).set_cutouts({});
     EXPECT_FALSE(same(closest_hit(split, rays), hits));
 }
 
@@ -208,7 +210,7 @@ TEST_P(Cutouts, InstancesKnowTheirTriangles) {
     InstancedBvh instances =
         InstancedBvh::build(bottoms, std::vector<Instance>{make_instance(glm::mat4(1.f), 0, 0xffffffffu, 0),
                                                            make_instance(glm::mat4(1.f), 1, 0xffffffffu, first)});
-    instances.set_cutouts(whole.textures.store);
+    state_of(instances).set_cutouts(whole.textures.store);
     const std::vector<Ray> rays = random_rays(5'000, 3.f, 0.9f, 8);
     const std::vector<Hit> expected = closest_hit(whole.bvh, rays);
     const std::vector<InstanceHit> hits = closest_hit(instances, rays);
@@ -218,7 +220,7 @@ TEST_P(Cutouts, InstancesKnowTheirTriangles) {
         ASSERT_EQ(hits[i].primitive + (hits[i].instance == 1 ? first : 0), expected[i].primitive);
     }
     EXPECT_EQ(any_hit(instances, rays), any_hit(whole.bvh, rays));
-    instances.set_cutouts({});
+    state_of(instances).set_cutouts({});
     EXPECT_NE(any_hit(instances, rays), any_hit(whole.bvh, rays));
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "host/bvh/bvh_state.hpp"
 #include "host/verify/exact.hpp"
 #include "tests/oracle/brute_force.hpp"
 #include "tests/support/device.hpp"
@@ -74,7 +75,7 @@ TEST_P(AllHitsTest, DoNotDependOnTheTree) {
     const std::vector<Ray> rays = random_rays(1001, 3.f, 1.f, 5);
     const Bvh split = build(mesh, Builder::high);
     EXPECT_GT(split.statistics().references, 50u);
-    EXPECT_TRUE(split.splits());
+    EXPECT_TRUE(state_of(split).splits());
     const HostLists<Hit> here = all_hits(build(mesh), rays), there = all_hits(split, rays);
     ASSERT_EQ(here.offsets, there.offsets);
     EXPECT_EQ(std::memcmp(here.elements.data(), there.elements.data(), here.elements.size() * sizeof(Hit)), 0);

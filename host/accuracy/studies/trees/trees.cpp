@@ -9,6 +9,7 @@
 #include "host/accuracy/studies/trees/cells.hpp"
 #include "host/accuracy/studies/trees/karras.hpp"
 #include "host/accuracy/study.hpp"
+#include "host/bvh/bvh_state.hpp"
 #include "host/measure/measure.hpp"
 #include "host/measure/rays.hpp"
 
@@ -71,13 +72,13 @@ std::unique_ptr<StudiedTree> bvh_tree(const TreeStage& stage, const char* method
                               stage.load("accuracy/trace_variant.cl", "trace_variant", {}, true)};
     t->trace = [t, &stage, plain = kernels[0], counting = kernels[1]](bool counted) {
         Kernel kernel = counted ? counting : plain;
-        kernel.run(stage.range(), t->bvh.header_buffer(), t->bvh.nodes(), t->bvh.leaves(), stage.rays, stage.count(),
-                   t->hits, t->visits);
+        kernel.run(stage.range(), state_of(t->bvh).header, state_of(t->bvh).nodes, state_of(t->bvh).leaves, stage.rays,
+                   stage.count(), t->hits, t->visits);
     };
     const BvhStatistics statistics = t->bvh.statistics();
     t->listed = 1 + double(statistics.references) / std::max(1.0, double(statistics.triangles));
     t->megabytes = [t] {
-        const BvhHeader header = t->bvh.header();
+        const BvhHeader header = state_of(t->bvh).read_header();
         return megabytes_of(header.inner_nodes, sizeof(BvhNode), header.valid);
     };
     return tree;
@@ -109,8 +110,8 @@ std::unique_ptr<StudiedTree> cell_tree(const TreeStage& stage, const char* metho
                                        double most_seconds) {
     auto tree = tree_on(stage, method);
     StudiedTree* t = tree.get();
-    const std::vector<LeafTriangle> leaves = stage.reference.leaves().read();
-    const std::size_t valid = stage.reference.header().valid;
+    const std::vector<LeafTriangle> leaves = state_of(stage.reference).leaves.read();
+    const std::size_t valid = state_of(stage.reference).read_header().valid;
     CellTree cells;
     double seconds = 0;
     for (unsigned i = 0; i < std::clamp(rounds, 1u, most_host_builds); ++i) {
@@ -129,8 +130,8 @@ std::unique_ptr<StudiedTree> cell_tree(const TreeStage& stage, const char* metho
     const Buffer<std::uint32_t> lists(stage.device, cells.lists);
     t->trace = [=, &stage, plain = kernels[0], counting = kernels[1]](bool counted) {
         Kernel kernel = counted ? counting : plain;
-        kernel.run(stage.range(), stage.reference.header_buffer(), nodes, lists, stage.reference.leaves(), stage.rays,
-                   stage.count(), t->hits, t->visits);
+        kernel.run(stage.range(), state_of(stage.reference).header, nodes, lists, state_of(stage.reference).leaves,
+                   stage.rays, stage.count(), t->hits, t->visits);
     };
     const double bytes = 1e-6 * double(nodes.bytes() + lists.bytes()) + megabytes_of(0, 0, valid);
     t->megabytes = [bytes] { return bytes; };

@@ -1,13 +1,13 @@
 // Measures of the difference of two images.
-#include "host/accuracy/image_error.hpp"
+#include "host/render/film/image_error.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <utility>
 
-#include "host/accuracy/pixels.hpp"
 #include "host/base/in_parallel.hpp"
+#include "host/render/film/pixels.hpp"
 
 namespace claray {
 namespace {

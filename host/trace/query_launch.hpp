@@ -5,8 +5,8 @@
 
 namespace claray {
 
-struct Schedule {
-    explicit Schedule(const Device& device);
+struct QueryLaunch {
+    explicit QueryLaunch(const Device& device);
     [[nodiscard]] Range range(std::size_t queries) const { return {(queries + per_item - 1) / per_item, group}; }
     /// Appends the macros of kernels/trace/query.clh.
     [[nodiscard]] Defines with(Defines defines) const;

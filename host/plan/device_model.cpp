@@ -122,7 +122,7 @@ const DeviceModel::Preset& DeviceModel::of(Builder builder) const { return prese
 
 DeviceModel stored_model(const Device& device) {
     DeviceModel model;
-    const auto& tuning = device.state().tuning;
+    const auto& tuning = state_of(device).tuning;
     for (const Figure& figure : figures) {
         const auto row = tuning.find(std::string(table_name) + " " + figure.parameter);
         if (row == tuning.end() || row->second == 0) return {};

@@ -1,5 +1,5 @@
 // How an image is cut into batches, and how large these are.
-#include "host/render/schedule/schedule.hpp"
+#include "host/render/schedule/pass_schedule.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 namespace claray::test {
 namespace {
 
-/// Whole pixels, as Schedule does, since their paths are coherent; parts of one only where there is no room for it.
+/// Whole pixels, as PassSchedule does, since their paths are coherent; parts of one only where there is no room for it.
 TEST(PendingBatches, TakeAllSamplesOfAPixel) {
     PendingBatches left({{10, 5, 3, 16, 0}, {40, 2, 0, 100, 0}});
     std::vector<std::uint32_t> next(50);
@@ -33,12 +33,12 @@ TEST(PendingBatches, TakeAllSamplesOfAPixel) {
 }
 
 /// Each pixel gets samples 0, 1, 2 ... spp - 1, once and in this order, whatever the batches' sizes.
-TEST(Schedule, EveryPixelGetsItsSamplesInOrder) {
+TEST(PassSchedule, EveryPixelGetsItsSamplesInOrder) {
     std::mt19937 random(1);
     for (const std::uint32_t pixels : {1u, 2u, 7u, 100u})
         for (const std::uint32_t spp : {1u, 2u, 21u, 100u})
             for (const std::uint32_t paths : {1u, 5u, 64u, 100'000u}) {
-                Schedule schedule(pixels, spp, paths);
+                PassSchedule schedule(pixels, spp, paths);
                 std::vector<std::uint32_t> next(pixels, 0);
                 std::uint64_t samples = 0;
                 while (!schedule.finished()) {
@@ -53,7 +53,7 @@ TEST(Schedule, EveryPixelGetsItsSamplesInOrder) {
                     }
                     samples += batch.pixels * batch.samples;
                     ASSERT_EQ(schedule.samples(), samples);
-                    Schedule other(pixels, spp + 3, 77);  // another device continues
+                    PassSchedule other(pixels, spp + 3, 77);  // another device continues
                     other.go_to(schedule.position());
                     ASSERT_EQ(other.samples(), samples);
                 }
@@ -63,9 +63,9 @@ TEST(Schedule, EveryPixelGetsItsSamplesInOrder) {
 }
 
 /// A noise limit stops between passes; their borders must not depend on the device's speed.
-TEST(Schedule, PassesDoNotDependOnThePace) {
+TEST(PassSchedule, PassesDoNotDependOnThePace) {
     const auto passes = [](std::uint32_t most) {
-        Schedule schedule(100, 100, 1000);
+        PassSchedule schedule(100, 100, 1000);
         std::vector<std::uint32_t> ends;
         while (!schedule.finished()) {
             (void)schedule.next(most);

@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "claray/scale/render_group.hpp"
-#include "host/accuracy/forecast.hpp"
-#include "host/accuracy/study.hpp"
+#include "host/base/format.hpp"
+#include "host/plan/forecast.hpp"
 #include "host/render/kernels/kernel_choice.hpp"
 
 namespace claray {
@@ -47,10 +47,10 @@ std::string why(const TargetPlan& plan, Builder builder, double seconds) {
     if (!plan.model.known())
         return printed("tree: %s; no model is stored for this device (see claray tune)", name_of(builder));
     std::string text = printed("tree: %s, for %zu triangles and about %s of sampling;", name_of(builder),
-                               plan.triangles, told_time(seconds).c_str());
+                               plan.triangles, duration_text(seconds).c_str());
     for (const Builder other : planned_builders)
         text += printed(" %s %s and %.2f times the speed%s", name_of(other),
-                        told_time(build_seconds(plan.model, other, plan.triangles)).c_str(),
+                        duration_text(build_seconds(plan.model, other, plan.triangles)).c_str(),
                         speed_of(plan.model, other), other == std::end(planned_builders)[-1] ? "" : ",");
     return text;
 }
@@ -80,31 +80,22 @@ void refuse_unreachable(const TargetPlan& plan, const Forecast& needed, const Re
     throw Error(
         ErrorKind::user,
         printed("an error of %g cannot be reached: it needs about %.3g samples per pixel (%s), but the limit is %.0f",
-                plan.config.error > 1e-20 ? plan.config.error : 0.0, needed.spp, told_time(needed.seconds).c_str(),
+                plan.config.error > 1e-20 ? plan.config.error : 0.0, needed.spp, duration_text(needed.seconds).c_str(),
                 most),
         printed("the closest possible is about --error %.2g, in %s", closest,
-                told_time(most * needed.seconds_a_sample).c_str()));
+                duration_text(most * needed.seconds_a_sample).c_str()));
 }
 
 /// `seconds`: of one sample for every pixel.
 void refuse_late(const RenderConfig& config, double seconds) {
     if (!(config.seconds > 0) || seconds <= late * config.seconds || !config.resume.empty()) return;
     throw Error(ErrorKind::user,
-                "a time of " + told_time(config.seconds) + " is too short: one sample for every pixel takes " +
-                    told_time(seconds),
+                "a time of " + duration_text(config.seconds) + " is too short: one sample for every pixel takes " +
+                    duration_text(seconds),
                 "allow this time, or use a smaller --size or --max-depth");
 }
 
 }  // namespace
-
-std::string told_time(double seconds) {
-    if (seconds < 1e-3) return printed("%.3g us", 1e6 * seconds);
-    if (seconds < 0.1) return printed("%.3g ms", 1e3 * seconds);
-    if (seconds < 120) return printed("%.3g s", seconds);
-    if (seconds < 7200) return printed("%.3g min", seconds / 60);
-    if (seconds < 172'800) return printed("%.3g h", seconds / 3600);
-    return printed("%.4g days", seconds / 86'400);
-}
 
 Builder choose_builder(const DeviceModel& model, std::size_t triangles, double seconds, Builder built) {
     if (!model.known()) return built;
@@ -261,15 +252,16 @@ bool is_kept(const TargetPlan& plan, const RenderProgress& reached) {
 
 std::string account_of(const TargetPlan& plan, const RenderProgress& reached) {
     if (plan.config.error > 0) {
-        std::string text = printed("error of %g, in %s", plan.config.error, told_time(reached.seconds).c_str());
-        if (plan.promised_seconds > 0) text += printed(" (predicted: %s)", told_time(plan.promised_seconds).c_str());
+        std::string text = printed("error of %g, in %s", plan.config.error, duration_text(reached.seconds).c_str());
+        if (plan.promised_seconds > 0)
+            text += printed(" (predicted: %s)", duration_text(plan.promised_seconds).c_str());
         if (reached.error_bound == 0)
             return text + printed(": %u samples per pixel are too few to estimate the error", reached.spp);
         return text +
                printed(": about %.3g, and less than %.3g in 95 of 100 renders", reached.error, reached.error_bound);
     }
-    return printed("time of %s: %s, %u samples per pixel", told_time(plan.config.seconds).c_str(),
-                   told_time(reached.seconds).c_str(), reached.spp);
+    return printed("time of %s: %s, %u samples per pixel", duration_text(plan.config.seconds).c_str(),
+                   duration_text(reached.seconds).c_str(), reached.spp);
 }
 
 }  // namespace claray

@@ -1,4 +1,4 @@
-#include "host/render/schedule/schedule.hpp"
+#include "host/render/schedule/pass_schedule.hpp"
 
 #include <algorithm>
 
@@ -9,20 +9,20 @@ constexpr double batch_milliseconds = 100;
 constexpr double kept = 0.75;  // of the weight of earlier batches, with each further one
 }  // namespace
 
-Schedule::Schedule(std::uint32_t pixels, std::uint32_t spp, std::uint32_t paths_in_flight)
+PassSchedule::PassSchedule(std::uint32_t pixels, std::uint32_t spp, std::uint32_t paths_in_flight)
     : pixels_(pixels), spp_(spp), paths_(paths_in_flight) {}
 
-std::uint32_t Schedule::longest_pass(std::uint32_t pixels, std::uint32_t paths) {
+std::uint32_t PassSchedule::longest_pass(std::uint32_t pixels, std::uint32_t paths) {
     return std::min(std::max(largest_pass, paths / pixels), paths);
 }
 
 /// Does not depend on anything that differs between runs, because a render may stop between passes.
-std::uint32_t Schedule::pass_samples() const {
+std::uint32_t PassSchedule::pass_samples() const {
     if (!between_passes()) return at_.pass;
     return std::min({std::max(at_.done, 1u), longest_pass(pixels_, paths_), spp_ - at_.done, most_samples_});
 }
 
-Batch Schedule::next(std::uint32_t most_paths) {
+Batch PassSchedule::next(std::uint32_t most_paths) {
     const std::uint32_t most = std::max(1u, std::min(most_paths, paths_));
     at_.pass = pass_samples();
     Batch batch{};
@@ -42,7 +42,7 @@ Batch Schedule::next(std::uint32_t most_paths) {
     return batch;
 }
 
-std::uint64_t Schedule::samples() const {
+std::uint64_t PassSchedule::samples() const {
     return std::uint64_t(at_.done) * pixels_ + std::uint64_t(at_.pixel) * pass_samples() + at_.sample;
 }
 

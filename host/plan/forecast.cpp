@@ -1,4 +1,4 @@
-#include "host/accuracy/forecast.hpp"
+#include "host/plan/forecast.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -10,11 +10,11 @@ namespace claray {
 /// Covers the image in passes of 1, 1, 2, 4, 8 ... samples per pixel, each divided into batches of whole pixels. Early
 /// passes show the image soon; in later ones neighbouring paths have the same pixel. Each pixel gets its samples in the
 /// same order for any division, so that its sums are the same bit for bit.
-class Schedule {
+class PassSchedule {
 public:
     /// Samples per pixel of the longest pass.
     [[nodiscard]] static std::uint32_t longest_pass(std::uint32_t pixels, std::uint32_t paths_in_flight);
-    Schedule(std::uint32_t pixels, std::uint32_t spp, std::uint32_t paths_in_flight);
+    PassSchedule(std::uint32_t pixels, std::uint32_t spp, std::uint32_t paths_in_flight);
 
     [[nodiscard]] bool finished() const { return at_.done == spp_; }
     /// The next batch of at most this many paths. Must not be called when finished.

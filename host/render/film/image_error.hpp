@@ -1,7 +1,9 @@
 // The error of several images against one reference.
 #pragma once
 
-#include "claray/accuracy.hpp"
+#include <vector>
+
+#include "claray/image_error.hpp"
 
 namespace claray {
 

@@ -3,11 +3,12 @@
 #include <chrono>
 #include <cmath>
 
-#include "host/accuracy/forecast.hpp"
-#include "host/accuracy/late_frames.hpp"
-#include "host/accuracy/pick_samples.hpp"
-#include "host/accuracy/study.hpp"
+#include "claray/image_error.hpp"
+#include "host/base/format.hpp"
 #include "host/base/percentile.hpp"
+#include "host/plan/forecast.hpp"
+#include "host/plan/late_frames.hpp"
+#include "host/plan/pick_samples.hpp"
 
 namespace claray {
 namespace {
@@ -94,7 +95,7 @@ private:
     throw Error(
         ErrorKind::user,
         printed("%.4g frames per second cannot be reached: one sample per pixel takes %s even in the cheapest way",
-                1 / budget, told_time(seconds).c_str()),
+                1 / budget, duration_text(seconds).c_str()),
         printed("the closest possible is about --fps %.3g; or use a smaller --size", share / seconds));
 }
 
@@ -160,7 +161,7 @@ public:
             take_samples(way);
             way.error = error_of(*way.frames, reference);
             picks.push_back(printed("%s: a frame of %s differs from the converged image by %.3g %%", way.name.c_str(),
-                                    told_time(way.seconds).c_str(), 100 * way.error));
+                                    duration_text(way.seconds).c_str(), 100 * way.error));
             if (!best || way.error < best->error) best = &way;
         }
         if (best) return *best;
@@ -261,11 +262,12 @@ Way pick(const Ways& ways, double budget, const MeasuringProgress& measuring, st
         way = ways.cheaper(way, measuring, picks);
     Ways::use(way);
     picks.push_back(printed("samples: %u per pixel; one sample takes %s, a frame takes %s of %s", way.spp,
-                            told_time(way.one).c_str(), told_time(way.seconds).c_str(), told_time(budget).c_str()));
+                            duration_text(way.one).c_str(), duration_text(way.seconds).c_str(),
+                            duration_text(budget).c_str()));
     if (way.error > 0)
         picks.push_back(
             printed("chosen: %s, since one sample of all pixels takes %s; use a smaller --size to avoid this",
-                    way.name.c_str(), told_time(complete).c_str()));
+                    way.name.c_str(), duration_text(complete).c_str()));
     return way;
 }
 

@@ -1,4 +1,4 @@
-// host/accuracy: the planner and its model of the device. No test depends on speed.
+// host/plan: the planner and its model of the device. No test depends on speed.
 #include "claray/target.hpp"
 
 #include <gtest/gtest.h>
@@ -7,8 +7,8 @@
 #include <array>
 #include <cmath>
 
-#include "host/accuracy/late_frames.hpp"
-#include "host/accuracy/pick_samples.hpp"
+#include "host/plan/late_frames.hpp"
+#include "host/plan/pick_samples.hpp"
 #include "host/render/kernels/background_compiler.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"

@@ -1,5 +1,5 @@
 // What is foreseen of renders to an error, against renders whose errors and times follow a law.
-#include "host/accuracy/forecast.hpp"
+#include "host/plan/forecast.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,64 @@
+#include "host/compute/programs/kernel_pool.hpp"
+
+namespace claray {
+
+struct KernelPool::Lease {
+    std::weak_ptr<KernelPool> pool;
+    Key key;
+    Idle lent;
+
+    Lease(std::weak_ptr<KernelPool> of, Key with, Idle idle)
+        : pool(std::move(of)), key(std::move(with)), lent(std::move(idle)) {}
+    Lease(const Lease&) = delete;
+    Lease& operator=(const Lease&) = delete;
+    ~Lease() {
+        try {
+            if (const auto all = pool.lock()) all->give_back(key, std::move(lent));
+        } catch (const std::exception&) {  // the kernel is released
+        }
+    }
+};
+
+bool KernelPool::take_idle(const Key& key, Idle& idle) {
+    const std::lock_guard lock(mutex_);
+    const auto found = idle_.find(key);
+    if (found == idle_.end() || found->second.empty()) {
+        ++made_;
+        return false;
+    }
+    idle = std::move(found->second.back());
+    found->second.pop_back();
+    return true;
+}
+
+Kernel KernelPool::take(const Device& device, const cl::Program& program, const std::string& function,
+                        const std::function<Kernel()>& make) {
+    const Key key{program(), function};
+    Kernel kernel;
+    if (Idle idle; take_idle(key, idle)) {
+        kernel = Kernel(device, std::move(idle.kernel), function);
+        kernel.parameters_ = std::move(idle.parameters);
+    } else {
+        kernel = make();
+    }
+    kernel.lease_ = std::make_shared<const Lease>(weak_from_this(), key, Idle{kernel.kernel_, kernel.parameters_});
+    return kernel;
+}
+
+void KernelPool::give_back(const Key& key, Idle idle) {
+    if (idle.kernel.getInfo<CL_KERNEL_REFERENCE_COUNT>() != 1) return;
+    const std::lock_guard lock(mutex_);
+    idle_[key].push_back(std::move(idle));
+}
+
+void KernelPool::forget(const cl::Program& program) {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(idle_, [&](const auto& of) { return of.first.first == program(); });
+}
+
+unsigned KernelPool::made() const {
+    const std::lock_guard lock(mutex_);
+    return made_;
+}
+
+}  // namespace claray
