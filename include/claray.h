@@ -5,8 +5,8 @@
  * type; releasing NULL does nothing. A handle keeps those alive that it was made from. Do not use the handles of one
  * device from two threads at once; claray_device_new_queue makes a device for another thread.
  *
- * Every struct with a member struct_size begins with it: set it to sizeof of the struct, and all other members to 0 for
- * their defaults, as in  claray_mesh mesh = {sizeof mesh};  A later version only adds members at the end. */
+ * Every struct with a member struct_size begins with it. Set it to sizeof of the struct, and all other members to 0 for
+ * their defaults, as in  claray_mesh mesh = {sizeof mesh}.  A later version only adds members at the end. */
 #ifndef CLARAY_H
 #define CLARAY_H
 
@@ -258,8 +258,8 @@ typedef struct claray_primitive_kind {
     uint32_t floats;    /* in the data for each primitive, with a source: 1 or more */
 } claray_primitive_kind;
 
-/* A structure over `count` primitives. data: 4 floats for a sphere (centre, radius), 8 for a disc (centre, radius,
- * normal, radius of the hole) or cylinder (start, radius, end, 1 with caps or 0), else kind->floats for each. */
+/* A structure over `count` primitives. data of a sphere: 4 floats (centre, radius). Of a disc: 8 (centre, radius,
+ * normal, radius of the hole). Of a cylinder: 8 (start, radius, end, 1 with caps or 0). Else kind->floats for each. */
 CLARAY_API claray_status claray_primitives_build(claray_device* device, const claray_primitive_kind* kind,
                                                  const float* data, size_t count, claray_primitives** primitives);
 /* Curves, of 4 control points for each segment, from the index in `segments` on. points: x, y, z and radius of each.

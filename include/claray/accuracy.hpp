@@ -101,8 +101,8 @@ struct StudyScale {
     unsigned span = 128;  ///< a power of two
 };
 
-/// Chooses size, samples and rays so that every setting of a study of images takes the device at least 20 ms and the
-/// largest one 128 times as long, or what `scale` says: then seconds are those of samples and not those of starting
+/// Chooses size, samples and rays so that every setting of a study of images takes the device at least 20 ms. The
+/// largest one takes 128 times as long, or what `scale` says. Then samples take the time, not the starts of
 /// kernels, and a slope is visible over two decades. Settings that take long are rendered fewer times, so that all
 /// studies of a scene take about a minute. Measures the scene for about a second, compiling not included. `keep_size`,
 /// `keep_spp` and `keep_rays`: leave the values of `options` as they are.
@@ -134,9 +134,9 @@ struct ErrorCheck {
 [[nodiscard]] Study study_denoising(const Device& device, const Scene& scene, const StudyOptions& options,
                                     const AccuracyProgress& progress = {});
 
-/// Bias, which does not decrease with more samples: paths that end at 1 to 16 surfaces (1: direct light only), samples
-/// clamped at multiples of the image's mean, and no light that reaches a diffuse surface via mirrors or smooth glass.
-/// The errors contain no noise: two independent renders are multiplied, E[(a - r)(b - r)] = bias^2.
+/// Bias, which does not decrease with more samples, of three kinds. Paths end at 1 to 16 surfaces (1: direct light
+/// only). Samples are clamped at multiples of the image's mean. No light reaches a diffuse surface via mirrors or
+/// smooth glass. The errors contain no noise: two independent renders are multiplied, E[(a - r)(b - r)] = bias^2.
 [[nodiscard]] Study study_bias(const Device& device, const Scene& scene, const StudyOptions& options,
                                const AccuracyProgress& progress = {});
 
@@ -201,7 +201,7 @@ struct ErrorMap {
                                   const AccuracyProgress& progress = {});
 
 /// Compares depth buffers of 8, 16 and 24 bits, of float32 and of reversed float32, at far/near of 100 to 100,000. All
-/// surfaces on the ray of each pixel's centre are stored in the format; the error is the share of pixels, in per cent,
+/// surfaces on the ray of each pixel's centre are stored in the format. The error is the share of pixels, in per cent,
 /// in which another surface has the nearest one's value, so that it wins if it is drawn first. The cost is bits per
 /// pixel. `maps` receive 1 where the order of the scene's triangles shows a wrong surface, 0.5 where another order
 /// does.

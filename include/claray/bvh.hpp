@@ -117,7 +117,7 @@ public:
         /// Binary layout only: largest number of triangles per leaf, up to 4, if the surface area heuristic prefers it.
         unsigned max_leaf_triangles = 4;
         /// Whether queries may replace the tree by one of `high`, which a thread builds. This happens after at least
-        /// 100 batches of rays that took as long as ten such builds take, and only if it saves at least 3 % of the time
+        /// 100 batches of rays that took as long as ten such builds take. It must save at least 3 % of the time
         /// of batches that are traced in both trees. Hits stay the same bit for bit. Both trees then stay in memory,
         /// and the build takes at most half of the memory that is left. Unset: if `builder` is automatic.
         ///

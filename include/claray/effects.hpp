@@ -120,7 +120,7 @@ struct EffectOverrides {
 /// Parses a list such as "+textures,-sky". Throws ErrorKind::usage if the list is malformed or a name is unknown.
 [[nodiscard]] EffectOverrides parse_effect_overrides(const std::string& text);
 /// Returns the scene without some effects, by the rules of `effects_of`: for example without normals or without lights
-/// of a kind; a material of a removed kind becomes Lambert, a lens becomes a pinhole.
+/// of a kind. A material of a removed kind becomes Lambert, a lens becomes a pinhole.
 [[nodiscard]] Scene without_effects(Scene scene, EffectSet effects);
 /// Returns a simple scene that uses these effects and `lambert`: a square with lights and a camera.
 [[nodiscard]] Scene scene_calling_for(EffectSet effects);

@@ -117,7 +117,7 @@ private:
 };
 
 /// Finds the closest hit of every ray. Asynchronous; see closest_hit of a Bvh. In addition, the mask of an instance
-/// applies like the mask of a mesh, the lowest instance index wins among equal distances, and QueryOptions::brute_force
+/// applies like the mask of a mesh. The lowest instance index wins among equal distances. QueryOptions::brute_force
 /// tests every instance without the top level. Front faces are those in object space, even if a transform mirrors them.
 void closest_hit(const InstancedBvh& bvh, const Buffer<Ray>& rays, Buffer<InstanceHit>& hits,
                  const QueryOptions& options = {}, const Buffer<std::uint32_t>& count = {});

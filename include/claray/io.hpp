@@ -65,7 +65,7 @@ struct LoadOptions {
     std::string scene = {};                   ///< default: the file's default scene, else its first
     std::optional<float> stroke_radius = {};  ///< of points and lines; 0: leave them out; default: by the scene's size
     bool images = true;                       ///< false: a white texel stands for each, if only a pose is needed
-    /// For a live view of a glTF: instances with the names of nodes place all meshes, and the camera's target is in the
+    /// For a live view of a glTF. Instances with the names of nodes place all meshes, and the camera's target is in the
     /// middle of the scene instead of one unit before the camera.
     bool live = false;
 };
@@ -73,14 +73,14 @@ struct LoadOptions {
 /// Loads a Wavefront OBJ with its MTL and the images of used materials. Polygons are triangulated, negative indices are
 /// resolved, and the faces of one group or object form one mesh. Lines and points become tubes and spheres.
 /// docs/formats.md tells the meaning of each MTL key. A missing MTL or image causes a warning and grey. Throws
-/// ErrorKind::user, naming the file (and the line, if known), for a missing or empty file, an index out of range, a
-/// file without faces and points, and an image that is damaged or too large.
+/// ErrorKind::user, naming the file (and the line, if known), for a missing or empty file, an index out of range, and a
+/// file without faces and points. So it does for an image that is damaged or too large.
 [[nodiscard]] Scene load_obj(const std::filesystem::path& path, Warnings& warnings);
 
-/// Loads a PLY, text or binary: the elements vertex (positions, normals, texture coordinates, colours), face (colours
-/// and coordinates of its own) and tristrips as one grey mesh, with the images that MeshLab's comments name; without
-/// faces, edges and vertices as tubes and spheres. Throws ErrorKind::user, naming the file and the line or the row, for
-/// a missing or damaged file, an index out of range, and a file without faces and points.
+/// Loads a PLY, text or binary, as one grey mesh: the elements vertex (positions, normals, texture coordinates,
+/// colours), face (colours and coordinates of its own) and tristrips. MeshLab's comments name its images. Without
+/// faces, edges and vertices are tubes and spheres. Throws ErrorKind::user, naming the file and the line or the row,
+/// for a missing or damaged file, an index out of range, and a file without faces and points.
 [[nodiscard]] Scene load_ply(const std::filesystem::path& path, Warnings& warnings);
 
 /// Loads an STL, text or binary, as a grey mesh for each solid. Vertices at the same position become one; normals are
@@ -88,13 +88,14 @@ struct LoadOptions {
 /// file, and a file without triangles.
 [[nodiscard]] Scene load_stl(const std::filesystem::path& path, Warnings& warnings);
 
-/// Loads glTF 2.0, as text (.gltf) or binary (.glb): triangles, points and lines (as spheres and tubes), the node
-/// hierarchy at a time of an animation, skins and morph targets, a camera, punctual lights, metallic-roughness
-/// materials with the extensions in docs/formats.md, and the images of used materials. If no mesh is used by several
-/// nodes, meshes are stored in world space; otherwise Scene::instances places them. Unsupported content is left out
-/// with a warning; a missing image is grey, with a warning. Throws ErrorKind::usage, listing the names in the file, for
-/// an unknown choice. Throws ErrorKind::user, naming the file and the object, for invalid content, an unknown required
-/// extension, a buffer that is missing or outside the file's folder, and an image that is damaged or too large.
+/// Loads glTF 2.0, as text (.gltf) or binary (.glb): triangles, points and lines (as spheres and tubes). The node
+/// hierarchy is read at a time of an animation, with skins, morph targets, a camera and punctual lights. Materials are
+/// metallic-roughness with the extensions in docs/formats.md; images of used materials are loaded. If no mesh is used
+/// by several nodes, meshes are stored in world space; otherwise Scene::instances places them. Unsupported content is
+/// left out with a warning; a missing image is grey, with a warning. Throws ErrorKind::usage, listing the names in the
+/// file, for an unknown choice. Throws ErrorKind::user, naming the file and the object, for invalid content and an
+/// unknown required extension. So it does for a buffer that is missing or outside the file's folder, and an image that
+/// is damaged or too large.
 [[nodiscard]] Scene load_gltf(const std::filesystem::path& path, Warnings& warnings, const LoadOptions& options = {});
 
 /// Returns how long the animation of a glTF is that `options` choose, in seconds: the time of the last key, or
@@ -137,8 +138,8 @@ void flip_fronts(Scene& scene);
 void write_texture(const std::filesystem::path& path, const Texture& texture);
 
 /// Loads an image in latitude and longitude, an OpenEXR cube map (its attribute `envmap` tells), or a folder with the
-/// faces of a cube, px nx py ny pz nz, with any extension that load_image reads. Negative values count as 0 and
-/// infinite ones as the largest other, with a warning. Throws ErrorKind::user, naming the file.
+/// faces of a cube. Those are px nx py ny pz nz, with any extension that load_image reads. Negative values count as 0
+/// and infinite ones as the largest other, with a warning. Throws ErrorKind::user, naming the file.
 [[nodiscard]] Environment load_environment(const std::filesystem::path& path, Warnings& warnings);
 [[nodiscard]] Environment load_environment(const std::filesystem::path& path);
 

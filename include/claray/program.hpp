@@ -59,11 +59,11 @@ public:
         : device_(std::make_shared<Device>(std::move(device))), kernel_(std::move(kernel)), name_(std::move(name)) {}
 
     /// Binds the arguments in order and enqueues the kernel. Asynchronous. An argument is a Buffer, a plain value of
-    /// exactly the kernel's type, LocalMemory, nullptr (no buffer), an object that binds several arguments by a member
-    /// `bind(Kernel&, index)` (such as Bvh), or one of these with its parameter's name (`arg`). Reading a buffer waits
-    /// for the kernel. Throws ErrorKind::usage if the type or the name of an argument differs from its parameter, for a
-    /// buffer of another context, and for a buffer without a name if one of claray's own kernels takes several buffers
-    /// of its type.
+    /// exactly the kernel's type, LocalMemory or nullptr (no buffer). It may be an object that binds several arguments
+    /// by a member `bind(Kernel&, index)` (such as Bvh). `arg` gives it its parameter's name. Reading a buffer waits
+    /// for the kernel. Throws ErrorKind::usage if the type or the name of an argument differs from its parameter, and
+    /// for a buffer of another context. So it does for a buffer without a name if one of claray's own kernels takes
+    /// several buffers of its type.
     template <class... Args>
     void run(Range range, const Args&... args) {
         unsigned index = 0;
@@ -145,7 +145,7 @@ private:
 [[nodiscard]] Kernel load_kernel(const Device& device, const std::string& file, const std::string& function,
                                  const Defines& defines = {}, Math math = Math::strict);
 
-/// Compiles a kernel from your own source text. It may #include claray's device headers ("claray/shared/types.h",
+/// Compiles a kernel from your own source text. It may include claray's device headers ("claray/shared/types.h",
 /// "trace/closest_hit.clh" and the rest). `name` is the file name in error messages. Compile a kernel that takes a Bvh
 /// or an InstancedBvh with its defines(), which describe its layout; binding a structure with another layout throws
 /// ErrorKind::usage. Throws ErrorKind::device with the compiler's log, ErrorKind::usage for an unknown function.

@@ -65,8 +65,8 @@ public:
     /// Enqueues the query after all of `wait_for`, and returns the event of its end. Asynchronous as closest_hit: give
     /// QueryOptions::coherence so that nothing is waited for. The buffers must be alive until the event is complete.
     /// `count`: see closest_hit. Throws ErrorKind::usage, before anything is enqueued, for buffers that are too small
-    /// or of another context, and for results that are not those of the query's kind: Hit and InstanceHit for
-    /// QueryKind::closest, bytes for QueryKind::any.
+    /// or of another context, and for results of another kind than the query's. QueryKind::closest has Hit and
+    /// InstanceHit, QueryKind::any has bytes.
     cl::Event run(const Buffer<Ray>& rays, Buffer<Hit>& hits, std::span<const cl::Event> wait_for = {},
                   const Buffer<std::uint32_t>& count = {});
     cl::Event run(const Buffer<Ray>& rays, Buffer<InstanceHit>& hits, std::span<const cl::Event> wait_for = {},

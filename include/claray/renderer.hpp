@@ -244,8 +244,8 @@ struct GBuffer {
     unsigned width = 0, height = 0;
     NormalPacking normals = NormalPacking::octahedral;
     std::vector<GBufferPixel> pixels;  ///< row by row from the top left
-    /// The inverse of the view and projection: takes a position in the image (-1 to 1 on both axes, y upwards), the
-    /// depth and 1 to a position in the world, which is to be divided by its w. Near and far planes are at 0.002 and 2
+    /// The inverse of the view and projection. It takes a position in the image (-1 to 1 on both axes, y upwards), the
+    /// depth and 1 to a position in the world. Divide that by its w. Near and far planes are at 0.002 and 2
     /// radii of the scene; surfaces nearer than the former have depths above 1.
     glm::dmat4 world_from_image{1};
 };
@@ -268,8 +268,8 @@ struct SceneChanges {
 class Renderer {
 public:
     /// Uploads the scene and builds its acceleration structure. Throws ErrorKind::usage for a configuration out of
-    /// range; ErrorKind::user for a scene that `validate` refuses, and for a checkpoint that does not match or cannot
-    /// be written; ErrorKind::device if the device has too little memory.
+    /// range, and ErrorKind::user for a scene that `validate` refuses, or a checkpoint that does not match or cannot
+    /// be written. Throws ErrorKind::device if the device has too little memory.
     Renderer(const Device& device, const Scene& scene, const RenderConfig& config);
 
     /// Adds samples until a target of the configuration is reached. Blocks. `progress` is called after the first batch
@@ -288,12 +288,12 @@ public:
     /// kept. Throws ErrorKind::usage for a render that writes checkpoints.
     void restart(std::uint32_t seed, unsigned spp = 0, unsigned max_depth = 0);
     /// Discards all samples and continues with a scene that differs from the earlier one in `changes`: nothing else is
-    /// read, checked or uploaded. The image is that of a new renderer of the scene, but lights are picked by the first
-    /// scene's radius, which changes the noise if there are near and far lights. Kernels are compiled only if the scene
+    /// read, checked or uploaded. The image is that of a new renderer of the scene. Only lights are picked by the first
+    /// scene's radius. This changes the noise if there are near and far lights. Kernels are compiled only if the scene
     /// has effects that those in use do not support (see EffectOverrides::add), or when surfaces move for the first
     /// time without `settle`. Throws ErrorKind::user for values that
-    /// `validate` refuses, and ErrorKind::usage if meshes, instances or materials differ in number or size, or for a
-    /// render that writes checkpoints; the renderer is then unchanged.
+    /// `validate` refuses. Throws ErrorKind::usage if meshes, instances or materials differ in number or size, or for a
+    /// render that writes checkpoints. The renderer is then unchanged.
     void update(const Scene& scene, const SceneChanges& changes);
     /// Loads the fastest kernels for the scene now, compiling them if necessary, and runs each once, so that no later
     /// render waits for a kernel unless `update` brings other effects. Those that move surfaces are loaded, too.
@@ -330,7 +330,7 @@ public:
     /// and loads kernels. The renderer keeps them until its size changes or `release_denoiser` is called; guides
     /// are made again if the scene changes.
     [[nodiscard]] std::vector<glm::vec3> denoised(DenoiserKind kind = DenoiserKind::automatic) const;
-    /// Returns the same as a picture, for frames that are shown one after the other: if `update` changes the camera or
+    /// Returns the same as a picture, for frames that are shown one after the other. If `update` changes the camera or
     /// moves objects, light of the pictures before is used again where it fits (docs/denoise.md). By claray's own
     /// denoiser, at the speed of a frame. The memory is that of `picture`. Blocks.
     [[nodiscard]] std::span<const std::uint8_t> denoised_picture(const PictureConfig& config = {});

@@ -294,25 +294,25 @@ struct Scene {
 [[nodiscard]] Camera orbited(const Camera& camera, float degrees);
 
 /// Returns the camera in the form that kernels read. `aspect` = width / height. Throws ErrorKind::usage if at some time
-/// the position equals the target or `up` is parallel to the view, if the angle is outside (0, 180), if the
+/// the position equals the target or `up` is parallel to the view. So it does if the angle is outside (0, 180), if the
 /// orthographic height is not positive and finite, or if the lens is invalid.
 [[nodiscard]] CameraData camera_data(const Camera& camera, float aspect);
 /// Returns whether the camera moves while the shutter is open.
 [[nodiscard]] bool moves(const Camera& camera);
 
-/// Throws ErrorKind::user, naming the object and the value, if an index is out of range, an array has the wrong length,
-/// a value is not finite, negative or not in 0..1 although it must be, an instance's transform is not affine or not
-/// invertible, or an environment has neither one image nor six. Positions are not checked: triangles that are not
-/// finite are culled and counted when the structure is built.
+/// Throws ErrorKind::user, naming the object and the value, if an index is out of range or an array has the wrong
+/// length. So it does if a value is not finite, negative or not in 0..1 although it must be. So it does if an
+/// instance's transform is not affine or not invertible, or if an environment has neither one image nor six. Positions
+/// are not checked: triangles that are not finite are culled and counted when the structure is built.
 void validate(const Scene& scene);
 
 /// Returns a line about primitives that emit light, which only scattered rays find; nothing if there are none.
 [[nodiscard]] std::optional<std::string> warning_of_lamps(const Scene& scene);
 
-/// Returns a built-in scene: "cornell", "spheres", "crate", "hills", "effects" (all but primitives), "effect:NAME" (one
-/// effect, by its name in `claray explain`), "terrain:N", "soup:N", "fan:N", "hair:N", "ball:N" (N triangles),
-/// "curves:N" (the strands of "hair:N" as curves). Returns no scene for an unknown name. Throws ErrorKind::usage for an
-/// invalid N.
+/// Returns a built-in scene: "cornell", "spheres", "crate", "hills", "effects" (all but primitives), or "effect:NAME"
+/// (one effect, by its name in `claray explain`). "terrain:N", "soup:N", "fan:N", "hair:N" and "ball:N" have N
+/// triangles. "curves:N" are the strands of "hair:N" as curves. Returns no scene for an unknown name. Throws
+/// ErrorKind::usage for an invalid N.
 [[nodiscard]] std::optional<Scene> builtin_scene(const std::string& name);
 [[nodiscard]] std::span<const char* const> builtin_scene_names();
 

@@ -1,8 +1,10 @@
-"""claray: exact ray queries and path tracing on CPUs and GPUs, by OpenCL.
+"""Exact ray queries and path tracing on CPUs and GPUs, by OpenCL.
 
-    bvh = claray.Bvh(vertices, triangles)
-    hits = claray.closest_hit(bvh, origins, directions)
-    hits["t"], hits["primitive"]
+```python
+bvh = claray.Bvh(vertices, triangles)
+hits = claray.closest_hit(bvh, origins, directions)
+hits["t"], hits["primitive"]
+```
 """
 
 from . import _native, errors

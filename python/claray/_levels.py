@@ -1,7 +1,6 @@
 """Instances of several levels, as instances of one."""
 
-from __future__ import annotations
-
+# No postponed annotations: those of a NamedTuple could not be evaluated by what reads them, such as pdoc.
 from typing import Any, NamedTuple, Sequence
 
 import numpy as np
@@ -17,8 +16,9 @@ from .errors import UsageError
 class Instances(NamedTuple):
     """Placements, for flatten.
 
-    transforms: (N, 4, 4) or (N, 3, 4) matrices. bottoms: (N,) what each places; None: all place 0. masks: (N,) bits;
-    None: all bits.
+    transforms: (N, 4, 4) or (N, 3, 4) matrices.
+    bottoms: (N,) what each places; None: all place 0.
+    masks: (N,) bits; None: all bits.
     """
 
     transforms: ArrayLike
@@ -29,8 +29,9 @@ class Instances(NamedTuple):
 class FlatInstances(NamedTuple):
     """Instances of one level: InstancedBvh(bvhs, flat.transforms, bottoms=flat.bottoms, masks=flat.masks).
 
-    transforms: (N, 3, 4). bottoms, masks: (N,). steps: steps[i] tells how instance i is reached: the index of an
-    instance of the roots, then that of an instance in its group, and so on.
+    transforms: (N, 3, 4).
+    bottoms, masks: (N,).
+    steps: steps[i] tells how instance i is reached: by which instance of the roots, by which of its group, and so on.
     """
 
     transforms: NDArray[np.float32]

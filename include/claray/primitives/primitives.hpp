@@ -10,7 +10,7 @@
 namespace claray {
 
 /// A kind of primitive: OpenCL C that defines the functions `bounds_of` and `intersect` of
-/// kernels/primitives/primitive.clh, and usually begins with #include "primitives/primitive.clh".
+/// kernels/primitives/primitive.clh, and usually includes "primitives/primitive.clh".
 struct PrimitiveKind {
     std::string name = {};    ///< appears in the compiler's messages
     std::string source = {};  ///< the text; it may include claray's device headers

@@ -16,7 +16,7 @@ struct Sphere {
 
 /// Count the triangles that overlap each box or sphere. Boxes are 6 floats each: the lower corner, then the upper one.
 /// Spheres are 4 floats each: centre and radius. Shapes and triangles that touch overlap. The decisions are made in
-/// float64; they may be wrong only where a gap or an overlap is less than 2^-49 of the largest distance between the
+/// float64. They may be wrong only where a gap or an overlap is less than 2^-49 of the largest distance between the
 /// shape's centre and a vertex. A box with lo > hi, a negative radius and shapes that are not finite overlap nothing.
 /// `counts` must hold an element per shape. Asynchronous, except for structures with split triangles
 /// (Bvh::Config::split_budget).

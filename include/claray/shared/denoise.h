@@ -7,7 +7,7 @@
 CLARAY_SHARED_BEGIN
 
 /// What a pixel sees. `glow` is the radiance that reaches the camera from lamps and the sky without being scattered by
-/// a rough surface, `gloss` what surfaces that are almost mirrors scatter of it; `albedo` is that of the first rough
+/// a rough surface. Surfaces that are almost mirrors scatter `gloss` of it. `albedo` is of the first rough
 /// surface. Means over the camera rays of the film's samples (`sampled_glow` includes gloss), and means over these and
 /// further rays, which have less noise.
 /// GPUs read and write it by vectors of four words.

@@ -20,8 +20,8 @@
 #define CLARAY_LEAST_SHEEN 0.07f
 
 /// Share of light that one reflection by an anisotropic conductor loses. Indices: the square roots of alpha along the
-/// tangent and across it, each in CLARAY_STRETCH_SIZE steps; the square of the sine of the angle to the tangent (0,
-/// 1/2, 1); loss_place with the alpha of that angle. The averages over the hemisphere follow.
+/// tangent and across it, each in CLARAY_STRETCH_SIZE steps. Then the square of the sine of the angle to the tangent
+/// (0, 1/2, 1), and loss_place with the alpha of that angle. The averages over the hemisphere follow.
 #define CLARAY_STRETCH (3 * CLARAY_ENERGY_TABLE)
 #define CLARAY_STRETCH_SIZE 20
 #define CLARAY_STRETCH_ROW (3 * CLARAY_ENERGY_SIZE)
@@ -29,7 +29,7 @@
 #define CLARAY_STRETCH_TABLE (CLARAY_STRETCH_AVERAGES + CLARAY_STRETCH_SIZE * CLARAY_STRETCH_SIZE)
 
 /// The cosines to the facets that reflect: shares of what an isotropic conductor reflects once, by roughness,
-/// cosine_place, and the cosines (k / 7)^2, such that sums of shares times values there are means over the facets.
+/// cosine_place, and the cosines (k / 7)^2. Sums of shares times values there are means over the facets.
 /// Their averages over the hemisphere follow, by roughness.
 #define CLARAY_FACETS (CLARAY_STRETCH + CLARAY_STRETCH_TABLE)
 #define CLARAY_FACET_COSINES 8
@@ -40,8 +40,8 @@
 /// this index then.
 #define CLARAY_MOST_CURVE_IOR 3.0f
 
-/// Tables of one index of refraction: the share of light that a dielectric does not reflect; the share that is neither
-/// reflected nor transmitted, from outside and from inside; and the share of diffuse light from outside that a smooth
+/// Tables of one index of refraction. The share of light that a dielectric does not reflect. The share that is neither
+/// reflected nor transmitted, from outside and from inside. The share of diffuse light from outside that a smooth
 /// interface transmits.
 #define CLARAY_UNREFLECTED 0
 #define CLARAY_LOST_OUTSIDE CLARAY_ENERGY_TABLE
@@ -56,7 +56,7 @@
 #define CLARAY_COAT_SCALES CLARAY_ENERGY_BLOCK
 #define CLARAY_COAT_TABLE (CLARAY_ENERGY_SIZE * CLARAY_METAL_SIZE * CLARAY_ENERGY_SIZE)
 
-/// After the block of an anisotropic dielectric and the room of a coat's table: the share of light that it does not
+/// After the block of an anisotropic dielectric and the room of a coat's table. The share of light that it does not
 /// reflect, in the form of CLARAY_STRETCH, but by cosine_place.
 #define CLARAY_STRETCHED_UNREFLECTED (CLARAY_COAT_SCALES + CLARAY_COAT_TABLE)
 

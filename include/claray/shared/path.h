@@ -9,7 +9,7 @@ CLARAY_SHARED_BEGIN
 /// State of a path that is stored with its ray.
 typedef struct PathState {
     float throughput_r, throughput_g, throughput_b;  // radiance at the camera per radiance along this ray
-    float pdf;  // density per steradian with which the direction was sampled; 0: a delta function or the camera;
+    float pdf;  // density per steradian with which the direction was sampled. 0: a delta function or the camera;
                 // negative: the ray goes to a hot spot, and this is minus the density of BSDF sampling
     uint path;  // index in the batch
 } PathState;
@@ -151,7 +151,7 @@ CLARAY_LAYOUT(ShadowQueue, 4)
 #define CLARAY_SHADOW_TIMES 12u
 #define CLARAY_SHADOW_WORDS 13u
 
-/// Number of rays in each queue: three queues of rays and two of shadow rays, used in turn by depth; then the sums of
+/// Number of rays in each queue: three queues of rays and two of shadow rays, used in turn by depth. Then the sums of
 /// both over a batch, two words each. The distance between lengths permits sub-buffers.
 typedef struct QueueLength {
     uint length;

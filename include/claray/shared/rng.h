@@ -1,7 +1,7 @@
 // Random and low-discrepancy numbers, equal on host and device.
 //
 // Samples are points of the two-dimensional Sobol sequence (Sobol 1967) with hash-based Owen scrambling: Laine and
-// Karras 2011, "Stratified sampling for stochastic transparency"; Burley 2020, "Practical hash-based Owen scrambling"
+// Karras 2011, "Stratified sampling for stochastic transparency". Burley 2020, "Practical hash-based Owen scrambling"
 // (JCGT 9:4). Higher dimensions are separate pairs, each with a different shuffle of the indices ("padding", Burley
 // section 6).
 #ifndef CLARAY_SHARED_RNG_H

@@ -52,12 +52,12 @@ CLARAY_SHARED_FUNCTION CLARAY_WORD CLARAY_OF_WORD(parity_of)(CLARAY_WORD x) {
 }
 
 /// Point `index` of a shuffled and scrambled Sobol sequence. Different seeds give independent sequences. Two numbers
-/// that differ in their lowest bit are neighbours in the sequence; which of them comes first is decided so that the
-/// even numbers get the points whose third Sobol coordinate (of the polynomial x^2 + x + 1; its first bit is the parity
-/// of the bits 0, 1, 3, 4, 6, 7 ...) is below 1/2, and the odd ones the others, or the reverse. Three Sobol coordinates
-/// are a (1,3)-sequence, so that both halves are stratified as well: the first 2^m points of a half have at most t = 1.
-/// A half cannot have t = 0 for every m, as the whole has: in base 2 there is no third coordinate for that
-/// (Niederreiter 1987).
+/// that differ in their lowest bit are neighbours in the sequence. The even
+/// numbers get the points whose third Sobol coordinate is below 1/2, and the odd ones the others, or the reverse.
+/// The coordinate is of the polynomial x^2 + x + 1. Its first bit is the parity of the bits 0, 1, 3, 4, 6, 7, and so
+/// on. Three Sobol coordinates are a (1,3)-sequence, so that both halves are stratified as well: the first 2^m points
+/// of a half have at most t = 1. A half cannot have t = 0 for every m, as the whole has: in base 2 there is no third
+/// coordinate for that (Niederreiter 1987).
 CLARAY_SHARED_FUNCTION CLARAY_PAIR CLARAY_OF_WORD(sobol_pair)(CLARAY_WORD index, CLARAY_WORD seed) {
     CLARAY_PAIR pair;
     const CLARAY_WORD neighbours = CLARAY_OF_WORD(reverse_bits)(CLARAY_OF_WORD(owen_scramble_reversed)(

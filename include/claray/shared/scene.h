@@ -94,10 +94,10 @@ CLARAY_LAYOUT(PunctualLight, 72)
 #define CLARAY_LIGHT_LEAF 0x80000000u  // the child is the light with this number
 #define CLARAY_TWO_SIDED_CONE 2.0f
 
-/// The data of a light tree's node about its children: a sphere that contains the lights of a child, a cone that
-/// contains their main directions of emission, their longest range, and their intensity in these directions. Missing
-/// children have intensity 0. Each child owns a part of the 2^32 random numbers, in proportion to its intensity: `span`
-/// numbers, from `first` on.
+/// The data of a light tree's node about its children. A sphere contains the lights of a child. A cone
+/// contains their main directions of emission. Then their longest range, and their intensity in these directions.
+/// Missing children have intensity 0. Each child owns a part of the 2^32 random numbers, in proportion to its
+/// intensity: `span` numbers, from `first` on.
 typedef struct LightNode {
     float x[4], y[4], z[4];
     float radius[4];  // negative: the lights differ in more than intensity even from far away

@@ -98,8 +98,8 @@ CLARAY_LAYOUT(MaterialMaps, 96)
 #define CLARAY_CUT_VERTEX_ALPHA 8u  // the opacity is multiplied by an alpha per corner
 #define CLARAY_CUT_OUTSIDE 16u      // a mask exists outside its interval of opacities
 
-/// Where rays pass through triangles. The record of such a triangle holds the index of its CutoutMaterial, then the
-/// alphas of the three corners if the mode has them, then the transformed coordinates of the three corners for each
+/// Where rays pass through triangles. The record of such a triangle holds the index of its CutoutMaterial. Then the
+/// alphas of the three corners if the mode has them, and the transformed coordinates of the three corners for each
 /// texture that is used.
 typedef struct CutoutMaterial {
     uint mode;              // CLARAY_CUT_...

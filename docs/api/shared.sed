@@ -1,0 +1,2 @@
+# Comments behind members of shared structs in the form that Doxygen reads.
+s|^\( *[^ /#].*\)// |\1///< |
