@@ -21,6 +21,10 @@ QueryOptions options_of_gbuffer(const SceneBuffers& scene) {
 glm::dmat4 world_from_image(const CameraData& c, double near, double far) {
     const glm::dvec4 right(c.right_x, c.right_y, c.right_z, 0), up(c.up_x, c.up_y, c.up_z, 0);
     const glm::dvec4 forward(c.forward_x, c.forward_y, c.forward_z, 0), place(c.x, c.y, c.z, 1);
+    if (const ProjectionTraits* traits = traits_of(Projection(c.projection)); !traits->flat)
+        throw Error(claray::ErrorKind::usage,
+                    std::string("no matrix describes the depths of the projection ") + traits->name,
+                    "ask for the AOV depth");
     if (has_parallel_rays(c.projection)) return {right, up, -far * forward, place + far * forward};
     return {near * right, near * up, place, near * forward};
 }
