@@ -1,7 +1,7 @@
 # Writes OUTPUT, a C++ file that holds the text of every kernel and shared header: cmake -DOUTPUT= -DSOURCE_DIR= -P this.
 file(GLOB_RECURSE kernels RELATIVE "${SOURCE_DIR}/kernels" "${SOURCE_DIR}/kernels/*.cl" "${SOURCE_DIR}/kernels/*.clh"
      "${SOURCE_DIR}/kernels/*.txt")
-file(GLOB shared RELATIVE "${SOURCE_DIR}/include" "${SOURCE_DIR}/include/claray/shared/*.h")
+file(GLOB_RECURSE shared RELATIVE "${SOURCE_DIR}/include" "${SOURCE_DIR}/include/claray/shared/*.h")
 set(body "#include \"host/compute/programs/kernel_sources.hpp\"\nnamespace claray {\n")
 string(APPEND body "const std::vector<KernelSource>& embedded_kernel_sources() {\n    static const std::vector<KernelSource> sources = {\n")
 foreach(path IN LISTS kernels)

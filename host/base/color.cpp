@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "claray/picture.hpp"
+#include "claray/image/picture.hpp"
 
 namespace claray {
 namespace {

@@ -79,7 +79,7 @@ constexpr bool numbers_of_bsdfs_differ() {
     }
     return true;
 }
-static_assert(numbers_of_bsdfs_differ(), "two BSDFs of claray/shared/bsdfs.h have the same number");
+static_assert(numbers_of_bsdfs_differ(), "two BSDFs of claray/shared/lists/bsdfs.h have the same number");
 static_assert(rows.size() <= 64, "an EffectSet has 64 bits");
 
 constexpr auto known = [] {

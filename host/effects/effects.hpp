@@ -1,6 +1,6 @@
 // The one place that knows which macros of which kernels belong to an effect. A BSDF is an effect by its row in
-// claray/shared/bsdfs.h, a kind of light by its row in lights.h. Any other new effect is: an enumerator of Effect,
-// a row in effects.cpp, who calls for it and how a scene is stripped of it in effects_of.cpp, a scene in
+// claray/shared/lists/bsdfs.h, a kind of light by its row in lights.h. Any other new effect is: an enumerator of
+// Effect, a row in effects.cpp, who calls for it and how a scene is stripped of it in effects_of.cpp, a scene in
 // tests/render/effects_test.cpp, and in the kernels a macro whose default is "all of it". Its code must find nothing to
 // do in scenes without the effect (an absent buffer is null, a count is 0): kernels may know more than the scene needs.
 #pragma once

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "claray/image_error.hpp"
+#include "claray/image/image_error.hpp"
 #include "host/base/format.hpp"
 #include "host/base/percentile.hpp"
 #include "host/plan/forecast.hpp"

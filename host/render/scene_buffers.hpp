@@ -19,7 +19,7 @@ struct SceneBuffers {
                  std::uint32_t guide = 0);
 
     Structure structure;  // shares its positions and indices
-    /// Replaces the lights of all kinds in the list of claray/shared/lights.h. Nothing else is uploaded.
+    /// Replaces the lights of all kinds in the list of claray/shared/lists/lights.h. Nothing else is uploaded.
     void replace_lights(const Scene& scene);
     /// Replaces the values of materials and what follows from them: their tables and the emissive triangles. The maps
     /// of materials stay.

@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "claray/error.hpp"
-#include "claray/shared/aovs.h"
+#include "claray/shared/lists/aovs.h"
 
 namespace claray::view {
 namespace {

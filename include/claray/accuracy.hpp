@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "claray/image_error.hpp"
+#include "claray/image/image_error.hpp"
 #include "claray/renderer.hpp"
 
 namespace claray {

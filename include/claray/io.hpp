@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "claray/picture.hpp"
+#include "claray/image/picture.hpp"
 #include "claray/profiler.hpp"
 #include "claray/scene.hpp"
 

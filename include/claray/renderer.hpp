@@ -7,9 +7,9 @@
 
 #include "claray/bvh.hpp"
 #include "claray/effects.hpp"
-#include "claray/picture.hpp"
-#include "claray/shared/aovs.h"
+#include "claray/image/picture.hpp"
 #include "claray/shared/gbuffer.h"
+#include "claray/shared/lists/aovs.h"
 
 namespace claray {
 
@@ -192,7 +192,7 @@ struct RenderStatistics {
     bool guided = false;                  ///< whether paths were guided, or will be by what was learnt so far
 };
 
-/// The types of a pixel by the kinds of AOVs (claray/shared/aovs.h).
+/// The types of a pixel by the kinds of AOVs (claray/shared/lists/aovs.h).
 namespace aov_kinds {
 using distance = float;
 using direction = glm::vec3;

@@ -7,7 +7,7 @@
 
 #include "claray/mesh.hpp"
 #include "claray/primitives/primitive_set.hpp"
-#include "claray/shared/projections.h"
+#include "claray/shared/lists/projections.h"
 #include "claray/shared/scene.h"
 #include "claray/texture.hpp"
 
@@ -21,7 +21,7 @@ enum class MaterialKind : std::uint32_t {
 #undef CLARAY_ROW
 };
 
-/// Properties of a material kind, from claray/shared/bsdfs.h.
+/// Properties of a material kind, from claray/shared/lists/bsdfs.h.
 struct MaterialKindRow {
     MaterialKind kind;
     const char* name;      ///< name for users: "blinn-phong"
@@ -144,7 +144,7 @@ struct CustomBsdf {
 /// is already in use.
 std::uint32_t add_bsdf(CustomBsdf bsdf);
 
-/// LightKind::point, spot and directional: a row of claray/shared/lights.h each.
+/// LightKind::point, spot and directional: a row of claray/shared/lists/lights.h each.
 enum class LightKind : std::uint32_t {
 #define CLARAY_ROW(name, NAME, text, far, cone) name = CLARAY_##NAME##_LIGHT,
     CLARAY_LIGHT_KINDS(CLARAY_ROW)
@@ -211,7 +211,7 @@ struct Environment {
     float rotation = 0.f;  ///< radians about +y, counter-clockwise seen from above
 };
 
-/// How points of space become points of the image: a row of claray/shared/projections.h each.
+/// How points of space become points of the image: a row of claray/shared/lists/projections.h each.
 enum class Projection : std::uint32_t {
 #define CLARAY_ROW(name, NAME, text, flat, parallel, stretch) name = CLARAY_##NAME,
     CLARAY_PROJECTIONS(CLARAY_ROW)

@@ -1,7 +1,7 @@
 // The G-buffer: what deferred shading needs to know of the surface at a pixel, packed (claray/shared/gbuffer.h).
 #include "claray/shared/gbuffer.h"
 #include "claray/shared/path.h"
-#include "claray/shared/projections.h"
+#include "claray/shared/lists/projections.h"
 #include "claray/shared/types.h"
 #include "shade/seen_surface.clh"
 

@@ -1,5 +1,5 @@
 // AOVs: data of the first surfaces that camera rays meet.
-#include "claray/shared/aovs.h"
+#include "claray/shared/lists/aovs.h"
 #include "claray/shared/path.h"
 #include "claray/shared/types.h"
 #include "shade/seen_surface.clh"

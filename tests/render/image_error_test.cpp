@@ -1,5 +1,5 @@
 // host/render/film/image_error.cpp: the difference of two images.
-#include "claray/image_error.hpp"
+#include "claray/image/image_error.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@ namespace {
 
 using Image = std::vector<glm::vec3>;
 
-Image gradient(unsigned width, unsigned height) {
+Image ramp(unsigned width, unsigned height) {
     Image image;
     for (unsigned y = 0; y < height; ++y)
         for (unsigned x = 0; x < width; ++x)
@@ -34,7 +34,7 @@ TEST(ImageError, IsWhatTheFormulasSay) {
 
 TEST(ImageError, SeesWhatEyesSee) {
     const unsigned width = 48;
-    const Image reference = gradient(width, width);
+    const Image reference = ramp(width, width);
     // The same error as a grain too fine to be seen well, and as a patch.
     Image grain = reference, patch = reference, black(reference.size(), glm::vec3(0));
     for (unsigned y = 0; y < width; ++y)

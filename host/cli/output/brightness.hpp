@@ -7,7 +7,7 @@
 
 #include <glm/glm.hpp>
 
-#include "claray/picture.hpp"
+#include "claray/image/picture.hpp"
 
 namespace claray::cli {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "claray/shared/projections.h"
+#include "claray/shared/lists/projections.h"
 #include "host/compute/read_back.hpp"
 #include "host/render/renderer_state.hpp"
 

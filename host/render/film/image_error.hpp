@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "claray/image_error.hpp"
+#include "claray/image/image_error.hpp"
 
 namespace claray {
 

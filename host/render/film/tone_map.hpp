@@ -1,7 +1,7 @@
 // Pictures of 8-bit colours, made on the device.
 #pragma once
 
-#include "claray/picture.hpp"
+#include "claray/image/picture.hpp"
 #include "claray/program.hpp"
 #include "claray/shared/picture.h"
 #include "host/compute/memory.hpp"

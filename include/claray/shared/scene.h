@@ -2,8 +2,8 @@
 #ifndef CLARAY_SHARED_SCENE_H
 #define CLARAY_SHARED_SCENE_H
 
-#include "claray/shared/bsdfs.h"
-#include "claray/shared/lights.h"
+#include "claray/shared/lists/bsdfs.h"
+#include "claray/shared/lists/lights.h"
 #include "claray/shared/portable.h"
 
 CLARAY_SHARED_BEGIN
@@ -18,7 +18,7 @@ CLARAY_SHARED_BEGIN
 
 typedef struct MaterialData {
     float albedo_r, albedo_g, albedo_b;        // see Material::albedo
-    uint kind;                                 // claray/shared/bsdfs.h
+    uint kind;                                 // claray/shared/lists/bsdfs.h
     float emission_r, emission_g, emission_b;  // radiance, W / (m^2 sr)
     float roughness;                           // alpha = roughness^2 (GGX)
     float ior;                                 // index of refraction, inside over outside
@@ -79,7 +79,7 @@ typedef struct PunctualLight {
     float probability;
     float direction_x, direction_y,
         direction_z;                // of emission, unit length; points: direction to the near surface
-    uint kind;                      // claray/shared/lights.h
+    uint kind;                      // claray/shared/lists/lights.h
     float cone_scale, cone_offset;  // cones: clamp(cosine * scale + offset, 0, 1)^2; point: the scale is
                                     // HotSpot::probability, 0 if no surface is near
     float inverse_range;            // 0: unlimited; negative: the range ends linearly (LINEAR_RANGES)
@@ -204,7 +204,7 @@ typedef struct CameraData {
     float view_move_x, view_move_y, view_move_z;  // change of `view` until shutter close
     float above_x, above_y, above_z;              // unit vector: up in the image
     float half_width, half_height;                // lengths of `right` and `up`
-    uint projection;                              // CLARAY_PERSPECTIVE, ... (claray/shared/projections.h)
+    uint projection;                              // CLARAY_PERSPECTIVE, ... (claray/shared/lists/projections.h)
 } CameraData;
 CLARAY_LAYOUT(CameraData, 116)
 

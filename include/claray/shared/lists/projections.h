@@ -1,7 +1,7 @@
 // The list of the cameras' projections, and their formulas for the host and for kernels (kernels/shade/camera.clh,
 // docs/architecture.md). The kinds, their names, effects, options and scenes are made from it.
-#ifndef CLARAY_SHARED_PROJECTIONS_H
-#define CLARAY_SHARED_PROJECTIONS_H
+#ifndef CLARAY_SHARED_LISTS_PROJECTIONS_H
+#define CLARAY_SHARED_LISTS_PROJECTIONS_H
 
 #include "claray/shared/portable.h"
 

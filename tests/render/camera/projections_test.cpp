@@ -1,5 +1,5 @@
-// Projections of cameras (claray/shared/projections.h, kernels/shade/camera.clh): every row of the list, on the host
-// and in kernels.
+// Projections of cameras (claray/shared/lists/projections.h, kernels/shade/camera.clh): every row of the list, on the
+// host and in kernels.
 #include <gtest/gtest.h>
 
 #include "claray/renderer.hpp"

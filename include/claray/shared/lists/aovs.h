@@ -1,7 +1,7 @@
 // The list of all AOVs. The members of `Aovs`, the kernel's outputs, the names of `--aov`, the layers of an EXR, the
 // pictures and the arrays of Python are made from it (kernels/render/write_aovs.cl, docs/architecture.md).
-#ifndef CLARAY_SHARED_AOVS_H
-#define CLARAY_SHARED_AOVS_H
+#ifndef CLARAY_SHARED_LISTS_AOVS_H
+#define CLARAY_SHARED_LISTS_AOVS_H
 
 // A row is X(name, kind, "letters", "meaning"):
 //   name     Aovs::name, and the function aov_name in kernels/render/write_aovs.cl

@@ -1,7 +1,7 @@
 // The list of the kinds of lights that are no triangles and no images. The kinds, effects, names and checks on the
 // host, and in the kernels the choice among kinds are made from it (kernels/lights/kinds.clh, docs/architecture.md).
-#ifndef CLARAY_SHARED_LIGHTS_H
-#define CLARAY_SHARED_LIGHTS_H
+#ifndef CLARAY_SHARED_LISTS_LIGHTS_H
+#define CLARAY_SHARED_LISTS_LIGHTS_H
 
 // PunctualLight::kind. Macros, since kernels read them.
 #define CLARAY_POINT_LIGHT 0u

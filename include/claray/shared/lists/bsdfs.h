@@ -1,7 +1,7 @@
 // The list of all BSDFs. It defines the kinds of materials, their effects and their names on the host, and the
 // selection among BSDFs in kernels (kernels/bsdf/kinds.clh, docs/architecture.md).
-#ifndef CLARAY_SHARED_BSDFS_H
-#define CLARAY_SHARED_BSDFS_H
+#ifndef CLARAY_SHARED_LISTS_BSDFS_H
+#define CLARAY_SHARED_LISTS_BSDFS_H
 
 // Values of MaterialData::kind and bit numbers in the kernels' MATERIALS. They are macros because `#if
 // USES(CLARAY_METAL)` reads them.
