@@ -14,11 +14,11 @@ namespace claray::test {
 namespace {
 
 using std::numbers::pi;
-constexpr float albedo = 0.6f;
+constexpr float floor_albedo = 0.6f;
 
 Scene floor_scene() {
     Scene scene;
-    scene.materials = {lambert(albedo)};
+    scene.materials = {lambert(floor_albedo)};
     scene.meshes = {square(20.f, 0.f)};
     return scene;
 }
@@ -26,7 +26,7 @@ Scene floor_scene() {
 /// Irradiance of the floor at a point, from its radiance.
 double irradiance(Scene scene, const glm::vec3& at) {
     scene.camera = narrow_camera(at + glm::vec3(0.3f, 1.f, 1.f), at);
-    return mean(render_image(scene, {.width = 2, .height = 2, .spp = 4, .max_depth = 1})).x * pi / albedo;
+    return mean(render_image(scene, {.width = 2, .height = 2, .spp = 4, .max_depth = 1})).x * pi / floor_albedo;
 }
 
 Light make_light(LightKind kind, const glm::vec3& position, const glm::vec3& direction, float intensity) {
@@ -85,7 +85,7 @@ TEST(SpotLight, KeepsANarrowEdge) {
         const double c = std::cos(double(float(angle * degree))), o = std::cos(double(float(outer)));
         const double within = std::clamp((c - o) / (std::cos(double(float(inner))) - o), 0.0, 1.0);
         const double radiance =
-            mean(render_image(scene, {.width = 1, .height = 1, .spp = 1, .max_depth = 1})).x * pi / albedo;
+            mean(render_image(scene, {.width = 1, .height = 1, .spp = 1, .max_depth = 1})).x * pi / floor_albedo;
         EXPECT_NEAR(radiance, 5 * within * within * std::pow(c, 3), 0.02) << angle;
     }
 }
@@ -168,7 +168,7 @@ TEST(SunLight, HasAPenumbra) {
         // The share of a disc beyond a chord at `place` radii; the disc is small enough to be flat.
         const double p = std::clamp(place, -1.0, 1.0);
         const double share = 1 - (std::acos(p) - p * std::sqrt(1 - p * p)) / pi;
-        EXPECT_NEAR(mean(render_image(scene, config)).x * pi / albedo / 3, share, 0.01) << place;
+        EXPECT_NEAR(mean(render_image(scene, config)).x * pi / floor_albedo / 3, share, 0.01) << place;
     }
 }
 
@@ -181,7 +181,7 @@ TEST(LightKinds, ShineByTheirIntensity) {
         if (kind.cone) scene.lights[0].inner_angle = 0.1f, scene.lights[0].outer_angle = 0.2f;
         scene.camera = narrow_camera({0.3f, 1.f, 1.f}, {0, 0, 0});
         const RenderConfig config{.width = 8, .height = 8, .spp = 64, .max_depth = 1};
-        EXPECT_NEAR(mean(render_image(scene, config)).x * pi / albedo, kind.far ? 3 : 0.75, 0.002) << kind.name;
+        EXPECT_NEAR(mean(render_image(scene, config)).x * pi / floor_albedo, kind.far ? 3 : 0.75, 0.002) << kind.name;
     }
 }
 
@@ -201,10 +201,10 @@ TEST(Lights, OfAllKindsAddUp) {
     scene.meshes.push_back(square(0.3f, 1.5f, 1));
     scene.camera = narrow_camera({0.3f, 1.f, 1.f}, {0, 0, 0});
     const RenderConfig config{.width = 16, .height = 16, .spp = 256, .max_depth = 1};
-    const double lamp = mean(render_image(scene, config)).x * pi / albedo;
+    const double lamp = mean(render_image(scene, config)).x * pi / floor_albedo;
     EXPECT_GT(lamp, 0.1);
     scene.lights = lights;
-    EXPECT_NEAR(mean(render_image(scene, config)).x * pi / albedo / (sum + lamp), 1, 0.005);
+    EXPECT_NEAR(mean(render_image(scene, config)).x * pi / floor_albedo / (sum + lamp), 1, 0.005);
 }
 
 /// Irradiance from a polygon of constant radiance, all of it above the horizon (Lambert 1760; Baum et al. 1989,
@@ -238,7 +238,7 @@ TEST(TriangleLight, EqualsLambertsFormula) {
             scene.camera = narrow_camera({-0.05f, 0.1f, -0.1f}, {0, 0, 0});
             Renderer renderer(device(), scene, {.width = 16, .height = 16, .spp = 512, .max_depth = 1});
             const double error_of_mean = renderer.render().noise / 16;
-            const double expected = albedo / pi * 3 * lambert_irradiance(corners, {0, 0, 0}, {0, 1, 0});
+            const double expected = floor_albedo / pi * 3 * lambert_irradiance(corners, {0, 0, 0}, {0, 1, 0});
             const double ratio = mean(renderer.image()).x / expected;
             EXPECT_LT(error_of_mean, 0.001);
             EXPECT_NEAR(ratio, 1, std::min(3 * error_of_mean + 1e-4, 0.005))
