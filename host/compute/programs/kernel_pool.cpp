@@ -1,5 +1,7 @@
 #include "host/compute/programs/kernel_pool.hpp"
 
+#include <algorithm>
+
 namespace claray {
 
 struct KernelPool::Lease {
@@ -19,15 +21,18 @@ struct KernelPool::Lease {
     }
 };
 
+/// Drivers hold a kernel object until its commands are done, and programs may hold its handle.
 bool KernelPool::take_idle(const Key& key, Idle& idle) {
     const std::lock_guard lock(mutex_);
-    const auto found = idle_.find(key);
-    if (found == idle_.end() || found->second.empty()) {
+    std::vector<Idle>& all = idle_[key];
+    const auto found = std::find_if(
+        all.begin(), all.end(), [](const Idle& one) { return one.kernel.getInfo<CL_KERNEL_REFERENCE_COUNT>() == 1; });
+    if (found == all.end()) {
         ++made_;
         return false;
     }
-    idle = std::move(found->second.back());
-    found->second.pop_back();
+    idle = std::move(*found);
+    all.erase(found);
     return true;
 }
 
@@ -46,7 +51,6 @@ Kernel KernelPool::take(const Device& device, const cl::Program& program, const 
 }
 
 void KernelPool::give_back(const Key& key, Idle idle) {
-    if (idle.kernel.getInfo<CL_KERNEL_REFERENCE_COUNT>() != 1) return;
     const std::lock_guard lock(mutex_);
     idle_[key].push_back(std::move(idle));
 }
