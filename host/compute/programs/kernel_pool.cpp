@@ -3,6 +3,11 @@
 #include <algorithm>
 
 namespace claray {
+namespace {
+
+constexpr std::size_t most_idle = 32;  // of one kernel: a program may enqueue any number of queries before it waits
+
+}  // namespace
 
 struct KernelPool::Lease {
     std::weak_ptr<KernelPool> pool;
@@ -52,7 +57,7 @@ Kernel KernelPool::take(const Device& device, const cl::Program& program, const 
 
 void KernelPool::give_back(const Key& key, Idle idle) {
     const std::lock_guard lock(mutex_);
-    idle_[key].push_back(std::move(idle));
+    if (std::vector<Idle>& all = idle_[key]; all.size() < most_idle) all.push_back(std::move(idle));
 }
 
 void KernelPool::forget(const cl::Program& program) {
