@@ -1,6 +1,13 @@
 #include "host/compute/programs/kernel_pool.hpp"
 
+#include <algorithm>
+
 namespace claray {
+namespace {
+
+constexpr std::size_t most_idle = 32;  // of one kernel: a program may enqueue any number of queries before it waits
+
+}  // namespace
 
 struct KernelPool::Lease {
     std::weak_ptr<KernelPool> pool;
@@ -19,15 +26,18 @@ struct KernelPool::Lease {
     }
 };
 
+/// Drivers hold a kernel object until its commands are done, and programs may hold its handle.
 bool KernelPool::take_idle(const Key& key, Idle& idle) {
     const std::lock_guard lock(mutex_);
-    const auto found = idle_.find(key);
-    if (found == idle_.end() || found->second.empty()) {
+    std::vector<Idle>& all = idle_[key];
+    const auto found = std::find_if(
+        all.begin(), all.end(), [](const Idle& one) { return one.kernel.getInfo<CL_KERNEL_REFERENCE_COUNT>() == 1; });
+    if (found == all.end()) {
         ++made_;
         return false;
     }
-    idle = std::move(found->second.back());
-    found->second.pop_back();
+    idle = std::move(*found);
+    all.erase(found);
     return true;
 }
 
@@ -46,9 +56,8 @@ Kernel KernelPool::take(const Device& device, const cl::Program& program, const 
 }
 
 void KernelPool::give_back(const Key& key, Idle idle) {
-    if (idle.kernel.getInfo<CL_KERNEL_REFERENCE_COUNT>() != 1) return;
     const std::lock_guard lock(mutex_);
-    idle_[key].push_back(std::move(idle));
+    if (std::vector<Idle>& all = idle_[key]; all.size() < most_idle) all.push_back(std::move(idle));
 }
 
 void KernelPool::forget(const cl::Program& program) {
