@@ -64,11 +64,7 @@ static CLARAY_OUTLINED float3 sum_of_lit(const Step* step, const Lights* lights,
     float3 sum;
     ShadingPoint there;
     if (!arrive_first(0, step, lights, SCENE, queue, hits, path, &sum, &there)) return sum;
-#if INSTANCES
-    const Hit hit = hit_in_scene(found, instances);
-#else
-    const Hit hit = found;
-#endif
+    const Hit hit = hit_of(found INSTANCE_BUFFERS);
     if (!is_lit_elsewhere(&there.material) || IS_PRIMITIVE(hit)) return sum + sum_of_list(lights, all, met_point(ray, found.t), &there);
     float time = 0.0f;
 #if INSTANCE_MOTION

@@ -141,23 +141,29 @@ static inline bool keep_plain(const LightsData* lights, const ShadingPoint* at, 
 static inline uint keep_plain16(const FrameData* frame, const LightsData* lights, SCENE_PARAMETERS, global const SceneHit* hits, const uint* rays, uint lanes,
                                 HitGroup* group) {
     global const float* normals = TABLE(float, normals);
-    Met16 met = {{{{0.0f}}}, {{{0.0f}}}};
+    MetTriangle16 met;
+    Lanes16 rows = {{{0.0f}}};  // weights of vertices, and directions to viewers
+    uint triangle[16] = {0u};
     for (uint left = lanes; left != 0; left &= left - 1) {
         const uint k = lowest_bit(left);
         const SceneHit hit = hits[rays[k]];
         const PathState* state = &group->state[k];
         if (hit.primitive == CLARAY_MISS || !asks_lists(lights, group, k) || (state->pdf != 0.0f && lights->hot_spots != 0)) continue;
-        global const MaterialData* material = &TABLE(MaterialData, materials)[TABLE(uint, triangle_materials)[hit.primitive]];
+        global const MaterialData* material = plain_material_at(frame, tables, hit);
         const float3 emission = (float3)(material->emission_r, material->emission_g, material->emission_b);
         if (material->kind != CLARAY_LAMBERT || material->layers != 0u || largest(emission) > 0.0f) continue;
-        keep_met(hit, group->ray[k], positions, indices, normals, &met, k);
+        triangle[k] = hit.primitive;
+        rows.value[0][k] = hit.u, rows.value[1][k] = hit.v;
+        keep_vector16(-(float3)(group->ray[k].dx, group->ray[k].dy, group->ray[k].dz), &rows, 2, k);
         const float3 albedo = (float3)(material->albedo_r, material->albedo_g, material->albedo_b);
         keep_vector16(throughput_of(*state) * albedo, &group->lanes, ROW_LIST_REFLECTED, k);
         group->lanes.value[ROW_LIST_RANDOM][k] = share_in_lists(lights, words_at(&group->samples[k], AT_LIGHT).x);
         group->plain |= 1u << k;
     }
     group->picked = group->plain;
-    const PlainSurfaces16 surfaces = plain_surfaces16(&met);
+    load_triangles16(triangle, positions, indices, normals, &met);
+    met.u = lane_values16(&rows, 0), met.v = lane_values16(&rows, 1), met.outgoing = lane_vectors16(&rows, 2);
+    const PlainSurfaces16 surfaces = plain_surfaces16(&met, normals != 0);
     keep_vectors16(surfaces.from, &group->lanes, ROW_LIST_FROM);
     keep_vectors16(surfaces.normal, &group->lanes, ROW_LIST_NORMAL);
     keep_vectors16(surfaces.geometric, &group->lanes, ROW_LIST_GEOMETRIC);
@@ -412,7 +418,7 @@ static inline uint take_rays16(WaitingRays* from, uint* numbers) {
 
 static inline bool meets_plain(const FrameData* frame, SCENE_PARAMETERS, Hit hit) {
     if (hit.primitive == CLARAY_MISS) return true;
-    global const MaterialData* material = &TABLE(MaterialData, materials)[TABLE(uint, triangle_materials)[hit.primitive]];
+    global const MaterialData* material = plain_material_at(frame, tables, hit);
     return material->kind == CLARAY_LAMBERT && material->layers == 0u;
 }
 

@@ -84,9 +84,6 @@ static inline NextRay pass_mirror(Batch one, const FrameData* frame, SCENE_PARAM
     if (CLARAY_IS_DIFFUSE(at->material.kind) && at->material.layers == 0u) return next;
     const SurfaceSamples samples = samples_at(samples_of(one, 0, 0u, frame->seed), depth);
     float lobe;
-#if NESTED_MEDIA
-    at->border = border_at(TABLE(MediumData, media), 0u, at->material.medium, at->surface.inside);
-#endif
     prepare_shading(frame, SCENE, &samples, -(float3)(ray.dx, ray.dy, ray.dz), at, &lobe);
     const bool delta = is_delta(&at->material);
     next = scatter(frame, 0, false, 0, &samples, depth, state, at, unit_float(words_at(&samples, AT_CHOICE).x), lobe);
@@ -100,27 +97,16 @@ static CLARAY_OUTLINED void see(Batch one, const FrameData* frame, SCENE_PARAMET
     Sight sight = {1.0f, 1.0f, 1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0u};
     if (depth != 0u) sight = *seen;
     const Lights lights = lights_of(frame, SCENE);
-    const float3 direction = (float3)(ray.dx, ray.dy, ray.dz), outgoing = -direction;
+    const float3 direction = (float3)(ray.dx, ray.dy, ray.dz);
     PathState state = {sight.throughput_r, sight.throughput_g, sight.throughput_b, sight.pdf, 0u};
     next->wanted = false;
-#if INSTANCES
-    const Hit hit = hit_in_scene(found, instances);
-#else
-    const Hit hit = found;
-#endif
+    const Hit hit = hit_of(found INSTANCE_BUFFERS);
     float3 glow, albedo = (float3)(0.0f);
     if (hit.primitive == CLARAY_MISS) {
         glow = radiance_beyond(frame, &lights, direction, 0, state);
     } else {
         ShadingPoint at;
-        find_surface(0, frame, SCENE, found, hit, depth, time, ray, &at);
-#if TEXTURES
-        MapValues maps = {false, (float3)(0.0f)};
-        const RayCone cone = camera_cone(frame);
-        if (textures && !IS_PRIMITIVE(hit))
-            maps = apply_maps(0, textures, TABLE(uint, triangle_materials)[hit.primitive], indices, hit, outgoing,
-                              cone.width + cone.spread * hit.t, &at.surface, &at.material);
-#endif
+        surface_at_hit(0, frame, SCENE, ray, found, time, camera_cone(frame), 0u, false, &at);
 #if ABSORPTION
         if (at.surface.inside) state = attenuated(state, transmittance_of(&at.material, hit.t));
 #endif
@@ -135,7 +121,7 @@ static CLARAY_OUTLINED void see(Batch one, const FrameData* frame, SCENE_PARAMET
         if (at.material.kind == CLARAY_UNLIT) glow = state.pdf == 0.0f ? throughput_of(state) * albedo_of(&at.material) : (float3)(0.0f), ends = true;
 #endif
 #if TEXTURES && LIGHT_MAPS
-        if (maps.has_light && !at.surface.inside) glow += albedo * maps.light * INV_PI, ends = true;
+        if (at.maps.has_light && !at.surface.inside) glow += albedo * at.maps.light * INV_PI, ends = true;
 #endif
         if (!ends) *next = pass_mirror(one, frame, SCENE, depth, ray, state, &at);
     }
