@@ -91,14 +91,10 @@ typedef struct HitGroup {
 } HitGroup;
 
 /// samples_at for all paths of the group: pairs `first` to `end` - 1, perhaps only the first number of each.
-static inline void draw_samples16(const Step* step, global const uint* listed_pixels, uint first, uint end, bool pairs_wanted,
-                                  HitGroup* group) {
-    uint path[16], words[16];
-    for (uint k = 0; k < 16; ++k) path[k] = group->state[k].path;
-    const Batch batch = step->batch;
-    const uint16 paths = vload16(0, path), pixels = paths / batch.samples;
-    const uint16 seeds = hash_words_of_16(pixels_of_16(batch, listed_pixels, pixels), (uint16)(step->frame.seed));
-    const uint16 numbers = first_samples_of_16(batch, listed_pixels, pixels) + (paths - pixels * batch.samples);
+static inline void draw_samples16(const Step* step, uint first, uint end, bool pairs_wanted, HitGroup* group) {
+    uint pixel[16], number[16], words[16];
+    for (uint k = 0; k < 16; ++k) pixel[k] = group->state[k].pixel, number[k] = group->state[k].sample;
+    const uint16 seeds = hash_words_of_16(vload16(0, pixel), (uint16)(step->frame.seed)), numbers = vload16(0, number);
     for (uint which = first; which < end; ++which) {
         const uint dimension = which == AT_LOBE ? DIMENSION_LOBE(step->depth) : DIMENSION_LIGHT(step->depth) + which;
         const SamplePairs16 pairs = sample_pair_of_16(SAMPLER, seeds, numbers, (uint16)(dimension));
@@ -122,7 +118,7 @@ static inline void keep_listed(const ShadingPoint* at, float random, HitGroup* g
 }
 
 static inline bool asks_lists(const LightsData* lights, const HitGroup* group, uint k) {
-    return picks_from_lists(lights, words_at(&group->samples[k], AT_LIGHT).x) && !goes_to_hot_spot(group->state[k].pdf);
+    return picks_from_lists(lights, words_at(&group->samples[k], AT_LIGHT).x) && !goes_to_hot_spot(group->state[k].flags);
 }
 
 /// Keeps a plain surface that asks the lists. Returns false for others. Paths that hot spots might have found as well are not kept.
@@ -234,9 +230,9 @@ static CLARAY_OUTLINED void shade_rays16(const Step* step, SCENE_PARAMETERS, glo
     float3 gathered[SLOTS_AT_ONCE];
     group.scattering = group.picked = group.plain = 0;
     for (uint k = 0; k < SLOTS_AT_ONCE; ++k)
-        group.state[k] = state_of_ray(states_of_queue(queue, room), depth, rays[min(k, count - 1)]);
+        group.state[k] = queued_state(&states_of_queue(queue, room)[rays[min(k, count - 1)]]);
     const bool plain = PLAIN_SIXTEEN && depth + 1 >= step->waves && lights.data.grid_probability > 0.0f;  // hardly a lane scatters
-    draw_samples16(step, TABLE(uint, listed_pixels), AT_LIGHT, AT_LIGHT + 1, !plain, &group);
+    draw_samples16(step, AT_LIGHT, AT_LIGHT + 1, !plain, &group);
     for (uint k = 0; k < count; ++k) {
         group.ray[k] = queued_ray(&rays_of_queue(queue)[rays[k]]);
         shaded[k].next.wanted = shaded[k].shadow.wanted = false;
@@ -267,7 +263,7 @@ static CLARAY_OUTLINED void shade_rays16(const Step* step, SCENE_PARAMETERS, glo
         group.scattering |= 1u << k;
     }
     if (group.scattering != 0)
-        draw_samples16(step, TABLE(uint, listed_pixels), plain ? AT_LIGHT : AT_LIGHT + 1, LOBES ? 4 : 3, true, &group);
+        draw_samples16(step, plain ? AT_LIGHT : AT_LIGHT + 1, LOBES ? 4 : 3, true, &group);
     for (uint left = group.scattering; left != 0; left &= left - 1) {
         const uint k = lowest_bit(left);
         const float3 outgoing = -(float3)(group.ray[k].dx, group.ray[k].dy, group.ray[k].dz);
@@ -283,7 +279,7 @@ static CLARAY_OUTLINED void shade_rays16(const Step* step, SCENE_PARAMETERS, glo
                              group.plain & 1u << k ? 0 : &shaded[k].shadow);
 #if MIPMAPS
         const RayCone cone = cone_of_ray(frame, depth, queue, room, rays[k]);
-        if (shaded[k].next.wanted) shaded[k].next.cone = scattered_cone(cone, hits[rays[k]].t, fabs(shaded[k].next.state.pdf));
+        if (shaded[k].next.wanted) shaded[k].next.cone = scattered_cone(cone, hits[rays[k]].t, shaded[k].next.state.pdf);
 #endif
         add_gathered(gathered[k], group.state[k].path, radiance);
         note_next(step, group.state[k].path, &shaded[k].next, radiance);
@@ -294,7 +290,7 @@ static CLARAY_OUTLINED void shade_rays16(const Step* step, SCENE_PARAMETERS, glo
 static inline void shade_ray(const Step* step, SCENE_PARAMETERS, global RayQueue* queue, global const SceneHit* hits, uint i,
                              global float* radiance, ShadedRay* shaded) {
     const uint depth = step->depth, room = step->room;
-    const PathState state = state_of_ray(states_of_queue(queue, room), depth, i);
+    const PathState state = queued_state(&states_of_queue(queue, room)[i]);
     const RayCone cone = cone_of_ray(&step->frame, depth, queue, room, i);
     shaded->time = time_in_queue(queue, room, i);
     float3 gathered;
@@ -335,7 +331,7 @@ static inline void number_rays16(const Step* step, uint begin, uint all, uint* r
 
 static inline void store_next(const ShadedRay* shaded, global RayQueue* queue, uint room, uint slot) {
     store_ray(&rays_of_queue(queue)[slot], shaded->next.ray);
-    states_of_queue(queue, room)[slot] = shaded->next.state;
+    store_state(&states_of_queue(queue, room)[slot], shaded->next.state);
 #if INSTANCE_MOTION
     times_of_queue(queue, room)[slot] = shaded->time;
 #endif
