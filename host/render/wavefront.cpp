@@ -278,7 +278,7 @@ void Wavefront::generate(const Batch& batch, bool centers) {
     const std::uint32_t paths = batch.pixels * batch.samples;
     const std::uint32_t items = device_.info().type == DeviceType::cpu ? (paths + 15) / 16 : paths;
     lengths_[0].fill(paths);
-    kernels_.generate.run({items, 64}, batch, frame_, std::uint32_t(centers), scene_.tables, rays_[0],
+    kernels_.generate.run({items, 64}, batch, frame_, std::uint32_t(centers), scene_.tables, rays_[0], states_[0],
                           arg("radiance", radiance_), arg("times", times_[0]));
 }
 
@@ -307,7 +307,7 @@ void Wavefront::trace_from(const Buffer<Hit>& points, const Batch& batch) {
     lengths_[0].fill(paths);
     kernels_.generate.run(
         {paths, 64}, batch, arg("points", points), arg("positions", scene_.structure.triangles().positions),
-        scene_.structure.triangles().indices, rays_[0], arg("hits", hits_), arg("radiance", radiance_));
+        scene_.structure.triangles().indices, rays_[0], states_[0], arg("hits", hits_), arg("radiance", radiance_));
     trace_stages(batch, true);
 }
 
@@ -438,7 +438,8 @@ double Wavefront::carried_on(std::uint32_t depth, std::uint32_t rays) const {
     std::vector<PathState> states(rays);
     states_[1 - depth % 2].read(std::span(states));
     for (const PathState& state : states)
-        if (state.pdf >= 0) sum += double(state.throughput_r) + state.throughput_g + state.throughput_b;
+        if ((state.flags & CLARAY_TO_HOT_SPOT) == 0)
+            sum += double(state.throughput_r) + state.throughput_g + state.throughput_b;
     return sum;
 }
 

@@ -35,6 +35,10 @@ static inline float3 sum_of_list(const Lights* lights, TileLights list, float3 f
     return sum;
 }
 
+static inline PathState state_of_path(const Step* step, global const RayQueue* queue, uint path) {
+    return queued_state(&states_of_queue((global RayQueue*)queue, step->room)[path]);
+}
+
 /// Follows a path to its first surface. Returns false if no light is reflected there; else `at` is ready to reflect it. `last` may be
 /// null.
 static inline bool arrive_first(LastTriangle* last, const Step* step, const Lights* lights, SCENE_PARAMETERS, global const RayQueue* queue,
@@ -44,10 +48,10 @@ static inline bool arrive_first(LastTriangle* last, const Step* step, const Ligh
 #if INSTANCE_MOTION
     time = times_of_queue((global RayQueue*)queue, step->room)[path];
 #endif
-    PathState state = first_state(path);
+    PathState state = state_of_path(step, queue, path);
     if (!arrive(last, step, lights, 0, SCENE, ray, hits[path], time, camera_cone(&step->frame), 0u, 0, &state, radiance, at)) return false;
     if (is_delta(&at->material)) return false;
-    const SurfaceSamples samples = samples_at(samples_of(step->batch, 0, path, step->frame.seed), 0);
+    const SurfaceSamples samples = samples_at(samples_of(state, step->frame.seed), 0);
     float lobe;
     prepare_shading(&step->frame, SCENE, &samples, (float3)(-ray.dx, -ray.dy, -ray.dz), at, &lobe);
     return true;
@@ -64,17 +68,13 @@ static CLARAY_OUTLINED float3 sum_of_lit(const Step* step, const Lights* lights,
     float3 sum;
     ShadingPoint there;
     if (!arrive_first(0, step, lights, SCENE, queue, hits, path, &sum, &there)) return sum;
-#if INSTANCES
-    const Hit hit = hit_in_scene(found, instances);
-#else
-    const Hit hit = found;
-#endif
+    const Hit hit = hit_of(found INSTANCE_BUFFERS);
     if (!is_lit_elsewhere(&there.material) || IS_PRIMITIVE(hit)) return sum + sum_of_list(lights, all, met_point(ray, found.t), &there);
     float time = 0.0f;
 #if INSTANCE_MOTION
     time = times_of_queue((global RayQueue*)queue, step->room)[path];
 #endif
-    const SurfaceSamples samples = samples_at(samples_of(step->batch, 0, path, step->frame.seed), 0);
+    const SurfaceSamples samples = samples_at(samples_of(state_of_path(step, queue, path), step->frame.seed), 0);
     for (uint i = 0; i < LIT_POINTS; ++i) {
         ShadingPoint at = there;
         const float3 direction = move_to_lit(&step->frame, SCENE, found, hit, i, time, ray, &at);

@@ -3,7 +3,7 @@
 #include "claray/shared/path.h"
 #include "claray/shared/lists/projections.h"
 #include "claray/shared/types.h"
-#include "shade/seen_surface.clh"
+#include "shade/surface_at_hit.clh"
 
 /// A value from 0 to 1 on the sRGB curve (IEC 61966-2-1), as a byte.
 static inline uint srgb_byte(float linear) {
@@ -23,15 +23,15 @@ kernel void write_gbuffer(Step step, SCENE_PARAMETERS, global const Ray* rays, g
     const FrameData* frame = &step.frame;
     const uint i = get_global_id(0);
     if (i >= step.capacity) return;
-    const Hit hit = seen_hit(hits[i] INSTANCE_BUFFERS);
+    const Hit hit = hit_of(hits[i] INSTANCE_BUFFERS);
     GBufferPixel pixel = {0u, CLARAY_NO_SURFACE, 0.0f};
     if (hit.primitive != CLARAY_MISS) {
-        Surface surface;
-        MaterialData material;
-        find_seen_surface(frame, SCENE, rays[i], hits[i], hit, &surface, &material);
-        const UnitVector normal = {surface.shading.x, surface.shading.y, surface.shading.z};
-        pixel.albedo_material = srgb_byte(material.albedo_r) | srgb_byte(material.albedo_g) << 8 | srgb_byte(material.albedo_b) << 16 |
-                                min(TABLE(uint, triangle_materials)[hit.primitive], 255u) << 24;
+        ShadingPoint at;
+        surface_seen(frame, SCENE, rays[i], hits[i], &at);
+        const float3 shading = at.surface.shading, albedo = albedo_of(&at.material);
+        const UnitVector normal = {shading.x, shading.y, shading.z};
+        pixel.albedo_material = srgb_byte(albedo.x) | srgb_byte(albedo.y) << 8 | srgb_byte(albedo.z) << 16 |
+                                min(material_number_at(frame, tables, hit), 255u) << 24;
         pixel.normal = spherical ? claray_pack_spherical(normal) : claray_pack_octahedral(normal);
         pixel.depth = reversed_depth(&frame->camera, rays[i], hit.t, near, far);
     }

@@ -7,7 +7,7 @@ kernel void aim_cells(Step step, GridBox box, global const uint* tables, global 
     if (path >= step.batch.pixels * CLARAY_RAYS_PER_CELL) return;
     global const LightGrid* grid = level_of_grid(tables + step.frame.tables.light_grid, box.level);
     const uint corner = path % 8, part = path / 8 % 64, parts = CLARAY_GRID_PARTS;
-    const uint3 cell = item_of_box(&box, pixel_of(step.batch, 0, path));
+    const uint3 cell = item_of_box(&box, first_state(step.batch, 0, path).pixel);
     const float3 middle = (convert_float3((uint3)(part % parts, part / parts % parts, part / (parts * parts))) + 0.5f) / (float)parts;
     const float3 from = probe_position(grid, cell) + middle * step_of_grid(grid);
     const float3 way = probe_position(grid, cell + (uint3)(corner & 1u, corner >> 1 & 1u, corner >> 2)) - from;

@@ -1,9 +1,8 @@
 // Voxels of surfaces as virtual point lights: the light that the surface in a voxel reflects, as spherical harmonics of the lobe around its
 // normal. The harmonics are those of the light that arrives from there, so that the lookup is that of probes. Kaplanyan and
 // Dachsbacher 2010, "Cascaded light propagation volumes for real-time indirect illumination", without the propagation.
-#include "bsdf/types.clh"
 #include "light_grid/light_grid.clh"
-#include "shade/seen_surface.clh"
+#include "shade/surface_at_hit.clh"
 
 #define LOBE_MEAN 0.886226925f   // of a clamped cosine, in harmonic 0: sqrt(pi) / 2
 #define LOBE_SLOPE 1.023326708f  // in band 1: sqrt(pi / 3)
@@ -18,12 +17,10 @@ kernel void gather_voxels(Step step, GridBox box, float most_before, SCENE_PARAM
     uint count = 0;
     for (uint path = CLARAY_RAYS_PER_VOXEL * voxel; path < CLARAY_RAYS_PER_VOXEL * (voxel + 1); ++path) {
         if (hits[path].primitive == CLARAY_MISS) continue;
-        Surface surface;
-        MaterialData material;
-        find_seen_surface(frame, SCENE, queued_ray((global const Ray*)queue + path), hits[path], seen_hit(hits[path] INSTANCE_BUFFERS),
-                          &surface, &material);
-        const float3 found = load3(radiance, path), normal = surface.geometric;
-        albedo += albedo_of(&material), ++count;
+        ShadingPoint at;
+        surface_seen(frame, SCENE, queued_ray((global const Ray*)queue + path), hits[path], &at);
+        const float3 found = load3(radiance, path), normal = at.surface.geometric;
+        albedo += albedo_of(&at.material), ++count;
         if (!(largest(found) < INFINITY)) continue;
         sums[0] += LOBE_MEAN * found;
         sums[1] -= LOBE_SLOPE * normal.y * found, sums[2] -= LOBE_SLOPE * normal.z * found, sums[3] -= LOBE_SLOPE * normal.x * found;

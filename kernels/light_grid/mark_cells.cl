@@ -2,7 +2,7 @@
 // than fronts lies inside an object, or behind a surface: it is treated as if it saw no corner.
 #include "claray/shared/path.h"
 #include "light_grid/light_grid.clh"
-#include "shade/seen_surface.clh"
+#include "shade/surface_at_hit.clh"
 
 /// The byte of a part, from its eight rays.
 static inline uint seen_by_part(const FrameData* frame, SCENE_PARAMETERS, global const Ray* rays, global const SceneHit* hits) {
@@ -13,11 +13,9 @@ static inline uint seen_by_part(const FrameData* frame, SCENE_PARAMETERS, global
             seen |= 1u << corner;
             continue;
         }
-        Surface surface;
-        MaterialData material;
-        const Hit hit = seen_hit(hits[corner] INSTANCE_BUFFERS);
-        find_seen_surface(frame, SCENE, queued_ray(&rays[corner]), hits[corner], hit, &surface, &material);
-        fronts += surface.inside ? -1 : 1;
+        ShadingPoint at;
+        surface_seen(frame, SCENE, queued_ray(&rays[corner]), hits[corner], &at);
+        fronts += at.surface.inside ? -1 : 1;
     }
     return fronts < 0 ? 0u : seen;
 }

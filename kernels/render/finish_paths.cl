@@ -14,7 +14,7 @@ void finish_paths(Step step, CLARAY_BVH_PARAMETERS, SCENE_PARAMETERS, global Ray
         NextRay next;
         next.wanted = true;
         next.ray = queued_ray(&rays_of_queue(queue)[i]);
-        next.state = states_of_queue(queue, step.room)[i];
+        next.state = queued_state(&states_of_queue(queue, step.room)[i]);
         next.cone = camera_cone(&step.frame);
 #if MIPMAPS
         next.cone = cones_of_queue(queue, step.room)[i];

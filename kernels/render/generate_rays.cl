@@ -1,4 +1,4 @@
-// First stage: generates a camera ray for each path of a batch.
+// First stage: generates a camera ray and the state of each path of a batch. Later stages know pixels and samples from there.
 #include "claray/shared/types.h"
 #include "render/first_ray.clh"
 #include "render/queue.clh"
@@ -6,8 +6,8 @@
 #if CLARAY_CPU
 /// Sixteen paths per work-item. Their radiance is cleared. `centers`: rays go through the centres of pixels and lens at shutter open. `times`
 /// is written under INSTANCE_MOTION only.
-kernel void generate_rays(Batch batch, FrameData of_frame, uint centers, global const uint* tables, global Ray* rays, global float* radiance,
-                          global float* times) {
+kernel void generate_rays(Batch batch, FrameData of_frame, uint centers, global const uint* tables, global Ray* rays, global PathState* states,
+                          global float* radiance, global float* times) {
     const FrameData* frame = &of_frame;
     const uint all = batch.pixels * batch.samples, begin = 16u * (uint)get_global_id(0);
     if (begin >= all) return;
@@ -18,22 +18,27 @@ kernel void generate_rays(Batch batch, FrameData of_frame, uint centers, global 
     const uint16 seeds = hash_words_of_16(pixels, (uint16)(frame->seed));
     const uint16 numbers = first_samples_of_16(batch, TABLE(uint, listed_pixels), of_batch) + (paths - of_batch * batch.samples);
     store_first_rays16(frame, pixels, seeds, numbers, centers, count, rays + begin, times + begin);
-    for (uint i = 0; i < count; ++i) vstore3((float3)(0.0f), begin + i, radiance);
+    float4 names[16];
+    rows_of_columns16(as_float16(paths), as_float16(pixels), as_float16(numbers), (float16)(0.0f), names);
+    for (uint i = 0; i < count; ++i) {
+        vstore4((float4)(1.0f, 1.0f, 1.0f, 0.0f), 0, (global float*)&states[begin + i]);
+        vstore4(names[PLACE_OF_ROW(i)], 1, (global float*)&states[begin + i]);
+        vstore3((float3)(0.0f), begin + i, radiance);
+    }
 }
 #else
-static inline Ray center_ray(Batch batch, const FrameData* frame, global const uint* tables, uint path) {
-    return ray_through(frame, pixel_of(batch, TABLE(uint, listed_pixels), path), (float2)(0.5f), (float2)(0.5f), 0.0f);
-}
+static inline Ray center_ray(const FrameData* frame, uint pixel) { return ray_through(frame, pixel, (float2)(0.5f), (float2)(0.5f), 0.0f); }
 
 /// One path per work-item; as above.
-kernel void generate_rays(Batch batch, FrameData of_frame, uint centers, global const uint* tables, global Ray* rays, global float* radiance,
-                          global float* times) {
+kernel void generate_rays(Batch batch, FrameData of_frame, uint centers, global const uint* tables, global Ray* rays, global PathState* states,
+                          global float* radiance, global float* times) {
     const FrameData* frame = &of_frame;
     const uint path = get_global_id(0);
     if (path >= batch.pixels * batch.samples) return;
     float time = 0.0f;
-    const Ray ray = centers ? center_ray(batch, frame, tables, path) : first_ray(batch, frame, tables, path, &time);
-    store_ray(&rays[path], ray);
+    const PathState state = first_state(batch, TABLE(uint, listed_pixels), path);
+    store_ray(&rays[path], centers ? center_ray(frame, state.pixel) : first_ray(frame, state, &time));
+    store_state(&states[path], state);
     vstore3((float3)(0.0f), path, radiance);
 #if INSTANCE_MOTION
     times[path] = time;

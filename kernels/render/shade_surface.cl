@@ -91,14 +91,10 @@ typedef struct HitGroup {
 } HitGroup;
 
 /// samples_at for all paths of the group: pairs `first` to `end` - 1, perhaps only the first number of each.
-static inline void draw_samples16(const Step* step, global const uint* listed_pixels, uint first, uint end, bool pairs_wanted,
-                                  HitGroup* group) {
-    uint path[16], words[16];
-    for (uint k = 0; k < 16; ++k) path[k] = group->state[k].path;
-    const Batch batch = step->batch;
-    const uint16 paths = vload16(0, path), pixels = paths / batch.samples;
-    const uint16 seeds = hash_words_of_16(pixels_of_16(batch, listed_pixels, pixels), (uint16)(step->frame.seed));
-    const uint16 numbers = first_samples_of_16(batch, listed_pixels, pixels) + (paths - pixels * batch.samples);
+static inline void draw_samples16(const Step* step, uint first, uint end, bool pairs_wanted, HitGroup* group) {
+    uint pixel[16], number[16], words[16];
+    for (uint k = 0; k < 16; ++k) pixel[k] = group->state[k].pixel, number[k] = group->state[k].sample;
+    const uint16 seeds = hash_words_of_16(vload16(0, pixel), (uint16)(step->frame.seed)), numbers = vload16(0, number);
     for (uint which = first; which < end; ++which) {
         const uint dimension = which == AT_LOBE ? DIMENSION_LOBE(step->depth) : DIMENSION_LIGHT(step->depth) + which;
         const SamplePairs16 pairs = sample_pair_of_16(SAMPLER, seeds, numbers, (uint16)(dimension));
@@ -122,7 +118,7 @@ static inline void keep_listed(const ShadingPoint* at, float random, HitGroup* g
 }
 
 static inline bool asks_lists(const LightsData* lights, const HitGroup* group, uint k) {
-    return picks_from_lists(lights, words_at(&group->samples[k], AT_LIGHT).x) && !goes_to_hot_spot(group->state[k].pdf);
+    return picks_from_lists(lights, words_at(&group->samples[k], AT_LIGHT).x) && !goes_to_hot_spot(group->state[k].flags);
 }
 
 /// Keeps a plain surface that asks the lists. Returns false for others. Paths that hot spots might have found as well are not kept.
@@ -141,23 +137,29 @@ static inline bool keep_plain(const LightsData* lights, const ShadingPoint* at, 
 static inline uint keep_plain16(const FrameData* frame, const LightsData* lights, SCENE_PARAMETERS, global const SceneHit* hits, const uint* rays, uint lanes,
                                 HitGroup* group) {
     global const float* normals = TABLE(float, normals);
-    Met16 met = {{{{0.0f}}}, {{{0.0f}}}};
+    MetTriangle16 met;
+    Lanes16 rows = {{{0.0f}}};  // weights of vertices, and directions to viewers
+    uint triangle[16] = {0u};
     for (uint left = lanes; left != 0; left &= left - 1) {
         const uint k = lowest_bit(left);
         const SceneHit hit = hits[rays[k]];
         const PathState* state = &group->state[k];
         if (hit.primitive == CLARAY_MISS || !asks_lists(lights, group, k) || (state->pdf != 0.0f && lights->hot_spots != 0)) continue;
-        global const MaterialData* material = &TABLE(MaterialData, materials)[TABLE(uint, triangle_materials)[hit.primitive]];
+        global const MaterialData* material = plain_material_at(frame, tables, hit);
         const float3 emission = (float3)(material->emission_r, material->emission_g, material->emission_b);
         if (material->kind != CLARAY_LAMBERT || material->layers != 0u || largest(emission) > 0.0f) continue;
-        keep_met(hit, group->ray[k], positions, indices, normals, &met, k);
+        triangle[k] = hit.primitive;
+        rows.value[0][k] = hit.u, rows.value[1][k] = hit.v;
+        keep_vector16(-(float3)(group->ray[k].dx, group->ray[k].dy, group->ray[k].dz), &rows, 2, k);
         const float3 albedo = (float3)(material->albedo_r, material->albedo_g, material->albedo_b);
         keep_vector16(throughput_of(*state) * albedo, &group->lanes, ROW_LIST_REFLECTED, k);
         group->lanes.value[ROW_LIST_RANDOM][k] = share_in_lists(lights, words_at(&group->samples[k], AT_LIGHT).x);
         group->plain |= 1u << k;
     }
     group->picked = group->plain;
-    const PlainSurfaces16 surfaces = plain_surfaces16(&met);
+    load_triangles16(triangle, positions, indices, normals, &met);
+    met.u = lane_values16(&rows, 0), met.v = lane_values16(&rows, 1), met.outgoing = lane_vectors16(&rows, 2);
+    const PlainSurfaces16 surfaces = plain_surfaces16(&met, normals != 0);
     keep_vectors16(surfaces.from, &group->lanes, ROW_LIST_FROM);
     keep_vectors16(surfaces.normal, &group->lanes, ROW_LIST_NORMAL);
     keep_vectors16(surfaces.geometric, &group->lanes, ROW_LIST_GEOMETRIC);
@@ -228,9 +230,9 @@ static CLARAY_OUTLINED void shade_rays16(const Step* step, SCENE_PARAMETERS, glo
     float3 gathered[SLOTS_AT_ONCE];
     group.scattering = group.picked = group.plain = 0;
     for (uint k = 0; k < SLOTS_AT_ONCE; ++k)
-        group.state[k] = state_of_ray(states_of_queue(queue, room), depth, rays[min(k, count - 1)]);
+        group.state[k] = queued_state(&states_of_queue(queue, room)[rays[min(k, count - 1)]]);
     const bool plain = PLAIN_SIXTEEN && depth + 1 >= step->waves && lights.data.grid_probability > 0.0f;  // hardly a lane scatters
-    draw_samples16(step, TABLE(uint, listed_pixels), AT_LIGHT, AT_LIGHT + 1, !plain, &group);
+    draw_samples16(step, AT_LIGHT, AT_LIGHT + 1, !plain, &group);
     for (uint k = 0; k < count; ++k) {
         group.ray[k] = queued_ray(&rays_of_queue(queue)[rays[k]]);
         shaded[k].next.wanted = shaded[k].shadow.wanted = false;
@@ -261,7 +263,7 @@ static CLARAY_OUTLINED void shade_rays16(const Step* step, SCENE_PARAMETERS, glo
         group.scattering |= 1u << k;
     }
     if (group.scattering != 0)
-        draw_samples16(step, TABLE(uint, listed_pixels), plain ? AT_LIGHT : AT_LIGHT + 1, LOBES ? 4 : 3, true, &group);
+        draw_samples16(step, plain ? AT_LIGHT : AT_LIGHT + 1, LOBES ? 4 : 3, true, &group);
     for (uint left = group.scattering; left != 0; left &= left - 1) {
         const uint k = lowest_bit(left);
         const float3 outgoing = -(float3)(group.ray[k].dx, group.ray[k].dy, group.ray[k].dz);
@@ -277,7 +279,7 @@ static CLARAY_OUTLINED void shade_rays16(const Step* step, SCENE_PARAMETERS, glo
                              group.plain & 1u << k ? 0 : &shaded[k].shadow);
 #if MIPMAPS
         const RayCone cone = cone_of_ray(frame, depth, queue, room, rays[k]);
-        if (shaded[k].next.wanted) shaded[k].next.cone = scattered_cone(cone, hits[rays[k]].t, fabs(shaded[k].next.state.pdf));
+        if (shaded[k].next.wanted) shaded[k].next.cone = scattered_cone(cone, hits[rays[k]].t, shaded[k].next.state.pdf);
 #endif
         add_gathered(gathered[k], group.state[k].path, radiance);
         note_next(step, group.state[k].path, &shaded[k].next, radiance);
@@ -288,7 +290,7 @@ static CLARAY_OUTLINED void shade_rays16(const Step* step, SCENE_PARAMETERS, glo
 static inline void shade_ray(const Step* step, SCENE_PARAMETERS, global RayQueue* queue, global const SceneHit* hits, uint i,
                              global float* radiance, ShadedRay* shaded) {
     const uint depth = step->depth, room = step->room;
-    const PathState state = state_of_ray(states_of_queue(queue, room), depth, i);
+    const PathState state = queued_state(&states_of_queue(queue, room)[i]);
     const RayCone cone = cone_of_ray(&step->frame, depth, queue, room, i);
     shaded->time = time_in_queue(queue, room, i);
     float3 gathered;
@@ -329,7 +331,7 @@ static inline void number_rays16(const Step* step, uint begin, uint all, uint* r
 
 static inline void store_next(const ShadedRay* shaded, global RayQueue* queue, uint room, uint slot) {
     store_ray(&rays_of_queue(queue)[slot], shaded->next.ray);
-    states_of_queue(queue, room)[slot] = shaded->next.state;
+    store_state(&states_of_queue(queue, room)[slot], shaded->next.state);
 #if INSTANCE_MOTION
     times_of_queue(queue, room)[slot] = shaded->time;
 #endif
@@ -412,7 +414,7 @@ static inline uint take_rays16(WaitingRays* from, uint* numbers) {
 
 static inline bool meets_plain(const FrameData* frame, SCENE_PARAMETERS, Hit hit) {
     if (hit.primitive == CLARAY_MISS) return true;
-    global const MaterialData* material = &TABLE(MaterialData, materials)[TABLE(uint, triangle_materials)[hit.primitive]];
+    global const MaterialData* material = plain_material_at(frame, tables, hit);
     return material->kind == CLARAY_LAMBERT && material->layers == 0u;
 }
 

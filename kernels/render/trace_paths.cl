@@ -14,9 +14,10 @@ void trace_paths(Step step, CLARAY_BVH_PARAMETERS, SCENE_PARAMETERS, global floa
         float time = 0.0f;
         NextRay next;
         next.wanted = true;
-        next.ray = first_ray(step.batch, &step.frame, tables, path, &time);
-        next.state = first_state(path);
-        next.cone = camera_cone(&step.frame);
+        const FrameData* frame = &step.frame;
+        next.state = first_state(step.batch, TABLE(uint, listed_pixels), path);
+        next.ray = first_ray(frame, next.state, &time);
+        next.cone = camera_cone(frame);
         next.media = 0u;
         vstore3(follow_path(&step, 0, step.depth, CLARAY_BVH, SCENE, next, time, (float3)(0.0f),
                             radiance + 3 * (size_t)step.room, &rays),

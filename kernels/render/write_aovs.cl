@@ -2,28 +2,26 @@
 #include "claray/shared/lists/aovs.h"
 #include "claray/shared/path.h"
 #include "claray/shared/types.h"
-#include "shade/seen_surface.clh"
+#include "shade/surface_at_hit.clh"
 
-/// What a camera ray meets. Surface and material are those of a hit only.
+/// What a camera ray meets. `at` is of a hit only.
 typedef struct Seen {
     bool missed;
     Hit hit;
     Visits visits;
-    Surface surface;
-    MaterialData material;
+    ShadingPoint at;
 } Seen;
 
 static inline float aov_depth(const Seen* seen) { return seen->missed ? INFINITY : seen->hit.t; }
-static inline float3 aov_normal(const Seen* seen) { return seen->missed ? (float3)(0.0f) : seen->surface.shading; }
+static inline float3 aov_normal(const Seen* seen) { return seen->missed ? (float3)(0.0f) : seen->at.surface.shading; }
 static inline uint aov_primitive(const Seen* seen) { return seen->hit.primitive; }
 static inline uint aov_heat(const Seen* seen) { return seen->visits.nodes + seen->visits.triangles; }
 
 /// Denoisers expect values from 0 to 1 that differ between surfaces, including lamps.
 static inline float3 aov_albedo(const Seen* seen) {
     if (seen->missed) return (float3)(0.0f);
-    const MaterialData* m = &seen->material;
-    const float3 albedo = (float3)(m->albedo_r, m->albedo_g, m->albedo_b);
-    return fmin(albedo + (float3)(m->emission_r, m->emission_g, m->emission_b), 1.0f);
+    const MaterialData* m = &seen->at.material;
+    return fmin(albedo_of(m) + (float3)(m->emission_r, m->emission_g, m->emission_b), 1.0f);
 }
 
 #define WRITE_distance(pixel, i, to) to[i] = pixel
@@ -47,9 +45,9 @@ kernel void write_aovs(Step step, SCENE_PARAMETERS, global const Ray* rays, glob
     const uint i = get_global_id(0);
     if (i >= step.capacity) return;
     Seen seen;
-    seen.hit = seen_hit(hits[i] INSTANCE_BUFFERS);
+    seen.hit = hit_of(hits[i] INSTANCE_BUFFERS);
     seen.missed = seen.hit.primitive == CLARAY_MISS;
     seen.visits = visits[i];
-    if (!seen.missed) find_seen_surface(&step.frame, SCENE, rays[i], hits[i], seen.hit, &seen.surface, &seen.material);
+    if (!seen.missed) surface_seen(&step.frame, SCENE, rays[i], hits[i], &seen.at);
     CLARAY_AOVS(WRITE)
 }

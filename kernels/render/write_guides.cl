@@ -32,13 +32,13 @@ static inline GuideRun run_of_ray(const GuideStep* guide, global const GuideRun*
     return runs[run];
 }
 
-/// The sample of a camera ray, as a batch of its own.
-static inline Batch sample_of(const GuideStep* guide, global const GuideRun* runs, uint ray, global const uint* list) {
+/// The state of a camera ray's path.
+static inline PathState guided_state(const GuideStep* guide, global const GuideRun* runs, uint ray, global const uint* list) {
     const GuideRun run = run_of_ray(guide, runs, ray);
     const uint within = ray - run.first_ray, pixel = within / run.samples;
     const uint2 from = guided_pixel(guide, run.first_pixel + pixel, list);
-    const Batch one = {from.x, 1u, from.y + within - pixel * run.samples, 1u, 0u};
-    return one;
+    const PathState state = {1.0f, 1.0f, 1.0f, 0.0f, 0u, from.x, from.y + within - pixel * run.samples, 0u};
+    return state;
 }
 
 #if CLARAY_CPU
@@ -52,8 +52,8 @@ kernel void guide_rays(GuideStep guide, global const GuideRun* runs, global cons
     uint pixel[16], number[16];
     const uint count = min(16u, all - begin);
     for (uint i = 0; i < 16; ++i) {
-        const Batch one = sample_of(&guide, runs, begin + min(i, count - 1u), list);
-        pixel[i] = one.first_pixel, number[i] = one.first_sample;
+        const PathState state = guided_state(&guide, runs, begin + min(i, count - 1u), list);
+        pixel[i] = state.pixel, number[i] = state.sample;
     }
     const uint16 pixels = vload16(0, pixel), seeds = hash_words_of_16(pixels, (uint16)(guide.step.frame.seed));
     store_first_rays16(&guide.step.frame, pixels, seeds, vload16(0, number), 0u, count, rays + begin, times + begin);
@@ -66,7 +66,7 @@ kernel void guide_rays(GuideStep guide, global const GuideRun* runs, global cons
     if (i == 0u) *ray_count = guide.step.capacity, *next_count = 0u;
     if (i >= guide.step.capacity) return;
     float time = 0.0f;
-    store_ray(&rays[i], first_ray(sample_of(&guide, runs, i, list), &guide.step.frame, 0, 0u, &time));
+    store_ray(&rays[i], first_ray(&guide.step.frame, guided_state(&guide, runs, i, list), &time));
 #if INSTANCE_MOTION
     times[i] = time;
 #endif
@@ -77,16 +77,13 @@ static inline float3 albedo_there(const ShadingPoint* at) { return fmax(albedo_o
 
 /// The next ray, if the surface is a mirror, smooth glass or almost a mirror; the path of the film's sample takes the same, unless it
 /// goes to a hot spot.
-static inline NextRay pass_mirror(Batch one, const FrameData* frame, SCENE_PARAMETERS, uint depth, Ray ray, PathState state,
+static inline NextRay pass_mirror(const FrameData* frame, SCENE_PARAMETERS, uint depth, Ray ray, PathState state,
                                   ShadingPoint* at) {
     NextRay next;
     next.wanted = false;
     if (CLARAY_IS_DIFFUSE(at->material.kind) && at->material.layers == 0u) return next;
-    const SurfaceSamples samples = samples_at(samples_of(one, 0, 0u, frame->seed), depth);
+    const SurfaceSamples samples = samples_at(samples_of(state, frame->seed), depth);
     float lobe;
-#if NESTED_MEDIA
-    at->border = border_at(TABLE(MediumData, media), 0u, at->material.medium, at->surface.inside);
-#endif
     prepare_shading(frame, SCENE, &samples, -(float3)(ray.dx, ray.dy, ray.dz), at, &lobe);
     const bool delta = is_delta(&at->material);
     next = scatter(frame, 0, false, 0, &samples, depth, state, at, unit_float(words_at(&samples, AT_CHOICE).x), lobe);
@@ -95,32 +92,22 @@ static inline NextRay pass_mirror(Batch one, const FrameData* frame, SCENE_PARAM
 }
 
 /// As shade_hit, without the light that rough surfaces reflect. Adds to `seen`, which depth 0 begins; `next` is wanted if the ray goes on.
-static CLARAY_OUTLINED void see(Batch one, const FrameData* frame, SCENE_PARAMETERS, uint depth, Ray ray, SceneHit found, float time,
+static CLARAY_OUTLINED void see(PathState state, const FrameData* frame, SCENE_PARAMETERS, uint depth, Ray ray, SceneHit found, float time,
                        global Sight* seen, NextRay* next) {
     Sight sight = {1.0f, 1.0f, 1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0u};
     if (depth != 0u) sight = *seen;
     const Lights lights = lights_of(frame, SCENE);
-    const float3 direction = (float3)(ray.dx, ray.dy, ray.dz), outgoing = -direction;
-    PathState state = {sight.throughput_r, sight.throughput_g, sight.throughput_b, sight.pdf, 0u};
+    const float3 direction = (float3)(ray.dx, ray.dy, ray.dz);
+    state.throughput_r = sight.throughput_r, state.throughput_g = sight.throughput_g, state.throughput_b = sight.throughput_b;
+    state.pdf = sight.pdf;
     next->wanted = false;
-#if INSTANCES
-    const Hit hit = hit_in_scene(found, instances);
-#else
-    const Hit hit = found;
-#endif
+    const Hit hit = hit_of(found INSTANCE_BUFFERS);
     float3 glow, albedo = (float3)(0.0f);
     if (hit.primitive == CLARAY_MISS) {
         glow = radiance_beyond(frame, &lights, direction, 0, state);
     } else {
         ShadingPoint at;
-        find_surface(0, frame, SCENE, found, hit, depth, time, ray, &at);
-#if TEXTURES
-        MapValues maps = {false, (float3)(0.0f)};
-        const RayCone cone = camera_cone(frame);
-        if (textures && !IS_PRIMITIVE(hit))
-            maps = apply_maps(0, textures, TABLE(uint, triangle_materials)[hit.primitive], indices, hit, outgoing,
-                              cone.width + cone.spread * hit.t, &at.surface, &at.material);
-#endif
+        surface_at_hit(0, frame, SCENE, ray, found, time, camera_cone(frame), 0u, false, &at);
 #if ABSORPTION
         if (at.surface.inside) state = attenuated(state, transmittance_of(&at.material, hit.t));
 #endif
@@ -135,9 +122,9 @@ static CLARAY_OUTLINED void see(Batch one, const FrameData* frame, SCENE_PARAMET
         if (at.material.kind == CLARAY_UNLIT) glow = state.pdf == 0.0f ? throughput_of(state) * albedo_of(&at.material) : (float3)(0.0f), ends = true;
 #endif
 #if TEXTURES && LIGHT_MAPS
-        if (maps.has_light && !at.surface.inside) glow += albedo * maps.light * INV_PI, ends = true;
+        if (at.maps.has_light && !at.surface.inside) glow += albedo * at.maps.light * INV_PI, ends = true;
 #endif
-        if (!ends) *next = pass_mirror(one, frame, SCENE, depth, ray, state, &at);
+        if (!ends) *next = pass_mirror(frame, SCENE, depth, ray, state, &at);
     }
     if (sight.passed == CLARAY_BY_GLOSS) {
         sight.gloss_r += glow.x, sight.gloss_g += glow.y, sight.gloss_b += glow.z;
@@ -166,12 +153,12 @@ static inline void see_ray(const GuideStep* guide, global const GuideRun* runs, 
                            SceneHit found, global const uint* numbers, uint i, global Sight* sights, SeenRay* seen) {
     const uint depth = guide->step.depth;
     seen->number = depth == 0u ? i : numbers[i];
-    const Batch one = sample_of(guide, runs, seen->number, list);
+    const PathState state = guided_state(guide, runs, seen->number, list);
     seen->time = 0.0f;
 #if INSTANCE_MOTION
-    seen->time = time_of(samples_of(one, 0, 0u, guide->step.frame.seed));
+    seen->time = time_of(samples_of(state, guide->step.frame.seed));
 #endif
-    see(one, &guide->step.frame, SCENE, depth, queued_ray(&rays[i]), found, seen->time, &sights[seen->number], &seen->next);
+    see(state, &guide->step.frame, SCENE, depth, queued_ray(&rays[i]), found, seen->time, &sights[seen->number], &seen->next);
 }
 
 static inline void append_ray(const SeenRay* seen, uint slot, global Ray* next_rays, global float* next_times, global uint* next_numbers) {

@@ -2,7 +2,7 @@
 #ifndef NORMALS
 #define NORMALS 0
 #endif
-#include "math/vector_sixteen.clh"
+#include "shade/surface_sixteen.clh"
 #include "verify/leaving_rays.clh"
 
 /// `clearance` is the rays' offset relative to the triangle's first edge. Item i belongs to triangle (first + i) / rays_each.
@@ -23,23 +23,20 @@ kernel void leave_surface_by_sixteen(uint count, uint rays_each, uint seed, glob
                                      global const Ray* rays, global uint* differ) {
     const uint item = get_global_id(0);
     if (16 * item >= count) return;
+    MetTriangle16 met;
     Lanes16 in;
+    uint triangle[16];
     for (uint k = 0; k < 16; ++k) {
         const uint id = min(16 * item + k, count - 1);
         const Leaving leaving = leaving_of(id, seed);
         const Hit hit = point_that_is_left(leaving, id / rays_each);
-        const float3 view = view_of_leaving(leaving);
-        const uint3 corner = vload3(hit.primitive, indices);
-        const float3 v0 = load3(positions, corner.x), e1 = load3(positions, corner.y) - v0, e2 = load3(positions, corner.z) - v0;
-        in.value[0][k] = v0.x, in.value[1][k] = v0.y, in.value[2][k] = v0.z;
-        in.value[3][k] = e1.x, in.value[4][k] = e1.y, in.value[5][k] = e1.z;
-        in.value[6][k] = e2.x, in.value[7][k] = e2.y, in.value[8][k] = e2.z;
-        in.value[9][k] = view.x, in.value[10][k] = view.y, in.value[11][k] = view.z;
-        in.value[12][k] = hit.u, in.value[13][k] = hit.v;
+        triangle[k] = hit.primitive;
+        in.value[0][k] = hit.u, in.value[1][k] = hit.v;
+        keep_vector16(view_of_leaving(leaving), &in, 2, k);
     }
-    Vectors geometric;
-    const Vectors from = leaving_points16(lane_vectors16(&in, 0), lane_vectors16(&in, 3), lane_vectors16(&in, 6), lane_values16(&in, 12),
-                                          lane_values16(&in, 13), lane_vectors16(&in, 9), &geometric);
+    load_triangles16(triangle, positions, indices, 0, &met);
+    met.u = lane_values16(&in, 0), met.v = lane_values16(&in, 1), met.outgoing = lane_vectors16(&in, 2);
+    const Vectors from = plain_surfaces16(&met, false).leaving;
     Lanes16 out;
     keep_vectors16(from, &out, 0);
     uint wrong = 0;

@@ -119,6 +119,7 @@ const Field fields[] = {
     FIELD(SkyData, zenith_b),
     FIELD(PathState, pdf),
     FIELD(PathState, path),
+    FIELD(PathState, flags),
     FIELD(LightSample, path),
     FIELD(Batch, first_pixel),
     FIELD(Batch, samples),

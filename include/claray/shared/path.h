@@ -9,11 +9,15 @@ CLARAY_SHARED_BEGIN
 /// State of a path that is stored with its ray.
 typedef struct PathState {
     float throughput_r, throughput_g, throughput_b;  // radiance at the camera per radiance along this ray
-    float pdf;  // density per steradian with which the direction was sampled. 0: a delta function or the camera;
-                // negative: the ray goes to a hot spot, and this is minus the density of BSDF sampling
-    uint path;  // index in the batch
+    float pdf;    // density per steradian with which the BSDF samples the direction; 0: a delta function or the camera
+    uint path;    // index in the batch
+    uint pixel;   // of the image
+    uint sample;  // number among those of the pixel
+    uint flags;   // what alone the ray looks for: CLARAY_TO_HOT_SPOT, CLARAY_ONLY_SKY; 0: any light
 } PathState;
-CLARAY_LAYOUT(PathState, 20)
+CLARAY_LAYOUT(PathState, 32)
+#define CLARAY_TO_HOT_SPOT 1u  // the light of the hot spot at which it is aimed
+#define CLARAY_ONLY_SKY 2u
 
 /// Radiance that a shadow ray adds to its path if the ray is not blocked.
 typedef struct LightSample {
@@ -137,10 +141,10 @@ typedef struct RayQueue {
 } RayQueue;
 CLARAY_LAYOUT(RayQueue, 4)
 #define CLARAY_QUEUE_STATES 8u  // words per path before the array
-#define CLARAY_QUEUE_CONES 13u
-#define CLARAY_QUEUE_MEDIA 15u
-#define CLARAY_QUEUE_TIMES 17u
-#define CLARAY_QUEUE_WORDS 18u
+#define CLARAY_QUEUE_CONES 16u
+#define CLARAY_QUEUE_MEDIA 18u
+#define CLARAY_QUEUE_TIMES 20u
+#define CLARAY_QUEUE_WORDS 21u
 
 /// A word of a shadow-ray queue: Ray, LightSample, and the rays' times.
 typedef struct ShadowQueue {
