@@ -1,10 +1,11 @@
 # Included by CTest once the programs are built: makes a test of every ${per_process} tests, of one suite or of several short ones, so that they share
 # a process, its device and its kernels: PoCL takes 0.65 s to read its library for the first kernel that a process compiles. A test is
 # called after its suites, as in io.Mtl+io.Obj. A failing test's name is in the output, and a crash ends no more than these.
-#   claray_add_suites(FOLDER PROGRAM COST ENVIRONMENT): COST is about the CPU seconds of a test; CTest begins with the longest
+#   claray_add_suites(FOLDER PROGRAM COST UNIT ENVIRONMENT): COST is about the CPU seconds of a test; CTest begins with the longest.
+#   UNIT: the tests have the label `unit`: ON: all, ONCE: those without suites that are repeated for parameters
 # The folder ${pocl_folders} gets PoCL's caches, one for each test; ${hang_seconds} end a test that hangs.
 set(per_process 32)
-function(claray_add_suites folder program cost environment)
+function(claray_add_suites folder program cost unit environment)
     execute_process(COMMAND "${program}" --gtest_list_tests RESULT_VARIABLE status OUTPUT_VARIABLE list ERROR_VARIABLE error)
     if(NOT status EQUAL 0)
         add_test("${folder}.not_built" "${program}")  # which fails, and tells why
@@ -24,7 +25,7 @@ function(claray_add_suites folder program cost environment)
             list(LENGTH of_suite more)
             math(EXPR count "${count} + ${more}")
             if(count GREATER ${per_process})  # no short suite is divided
-                claray_add_tests("${name}" "${program}" "${cost}" "${tests}" "${environment}")
+                claray_add_tests("${name}" "${program}" "${cost}" "${unit}" "${tests}" "${environment}")
                 set(tests "")
             endif()
             if(tests)
@@ -37,21 +38,25 @@ function(claray_add_suites folder program cost environment)
             while(count GREATER ${per_process})
                 list(SUBLIST tests 0 ${per_process} part)
                 list(SUBLIST tests ${per_process} -1 tests)
-                claray_add_tests("${name}" "${program}" "${cost}" "${part}" "${environment}")
+                claray_add_tests("${name}" "${program}" "${cost}" "${unit}" "${part}" "${environment}")
                 list(LENGTH tests count)
             endwhile()
             set(suite "${next}")
             set(of_suite "")
         endif()
     endforeach()
-    claray_add_tests("${name}" "${program}" "${cost}" "${tests}" "${environment}")
+    claray_add_tests("${name}" "${program}" "${cost}" "${unit}" "${tests}" "${environment}")
 endfunction()
 
 # One test that runs some of a program, unless there are none. A name that is taken gets a number.
-function(claray_add_tests name program cost tests environment)
+function(claray_add_tests name program cost unit tests environment)
     list(LENGTH tests count)
     if(count EQUAL 0)
         return()
+    endif()
+    string(REGEX REPLACE "\\..*" "" labels "${name}")
+    if(unit STREQUAL ON OR (unit STREQUAL ONCE AND NOT name MATCHES "/"))
+        list(APPEND labels unit)
     endif()
     get_property(taken GLOBAL PROPERTY "claray_${name}")
     math(EXPR part "0${taken} + 1")
@@ -66,5 +71,5 @@ function(claray_add_tests name program cost tests environment)
     set_property(GLOBAL PROPERTY claray_tests ${number})
     list(JOIN tests ":" filter)
     add_test("${name}" "${program}" "--gtest_filter=${filter}")
-    set_tests_properties("${name}" PROPERTIES COST ${cost} TIMEOUT ${hang_seconds} ENVIRONMENT "${environment};POCL_CACHE_DIR=${pocl_folders}/${number}")
+    set_tests_properties("${name}" PROPERTIES COST ${cost} LABELS "${labels}" TIMEOUT ${hang_seconds} ENVIRONMENT "${environment};POCL_CACHE_DIR=${pocl_folders}/${number}")
 endfunction()

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <initializer_list>
 #include <map>
+#include <utility>
 
 #include "host/bsdf/material_data.hpp"
 #include "host/textures/cutouts.hpp"
@@ -12,6 +14,21 @@
 
 namespace claray {
 namespace {
+
+// Kernels read these as numbers.
+template <class Enum>
+constexpr bool are_numbered(std::initializer_list<std::pair<Enum, std::uint32_t>> members) {
+    return std::all_of(members.begin(), members.end(), [](auto& m) { return std::uint32_t(m.first) == m.second; });
+}
+static_assert(are_numbered<Wrap>(
+    {{Wrap::repeat, CLARAY_REPEAT}, {Wrap::mirror, CLARAY_MIRRORED}, {Wrap::clamp, CLARAY_CLAMPED}}));
+static_assert(are_numbered<Filter>({{Filter::nearest, CLARAY_NEAREST},
+                                    {Filter::bilinear, CLARAY_BILINEAR},
+                                    {Filter::trilinear, CLARAY_TRILINEAR},
+                                    {Filter::nearest_level, CLARAY_NEAREST_LEVEL}}));
+static_assert(are_numbered<TexelFormat>({{TexelFormat::srgb8, CLARAY_SRGB8},
+                                         {TexelFormat::linear8, CLARAY_LINEAR8},
+                                         {TexelFormat::float32, CLARAY_FLOAT32}}));
 
 /// The maps that a material of this kind uses, at their CLARAY_..._MAP.
 std::array<TextureUse, CLARAY_MAPS> maps_of(const Material& m) {

@@ -14,8 +14,7 @@
 #define BOX_WIDENED 0  // plane / d - origin / d, widened by a bound on its error: trace/packets/slabs.clh, as claray's binary tree
 #define BOX_PADDED 1   // (plane - origin) / d, the far distance padded by BOX_PAD: trace/box.clh, as claray's wide tree
 #define BOX_IZE 2      // the same, padded by 2 ulp (Ize 2013)
-#define BOX_BARE 3     // the same without a pad
-#define BOX_FUSED 4    // fma(plane, 1 / d, -origin / d), without a pad
+#define BOX_FUSED 4    // fma(plane, 1 / d, -origin / d), without a pad; 3 is BOX_PADDED without a pad
 #ifndef BOX_TEST
 #define BOX_TEST BOX_WIDENED
 #endif

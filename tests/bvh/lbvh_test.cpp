@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
+#include <random>
 
 #include "host/bvh/bvh_state.hpp"
 #include "tests/bvh/support.hpp"
@@ -119,28 +121,81 @@ TEST(Bvh, SahCostEqualsTheHosts) {
     EXPECT_NEAR(bvh.statistics().sah_cost / cost, 1.0, 1e-5);
 }
 
-TEST(Bvh, LeavesFollowTheMortonCurve) {
-    const Mesh mesh = soup(2000, 0.f, 4);  // points: centroid is vertex ... but two equal vertices are culled
-    EXPECT_EQ(state_of(build(mesh)).read_header().valid, 0u);
+/// Small triangles whose centres are multiples of a 64th in a box of 16 x 5 x 11, so that no step of a code rounds.
+/// Some are in the same cell of a coarse grid, and two are its corners.
+Mesh triangles_on_a_grid() {
+    const glm::vec3 corner(-3.f, 100.f, 7.f), size(16.f, 5.f, 11.f);
+    std::mt19937 random(4);
+    Mesh mesh;
+    for (std::uint32_t i = 0; i < 2000; ++i) {
+        glm::vec3 centre = i == 0 ? corner : corner + size;
+        if (i > 1)
+            for (int axis = 0; axis < 3; ++axis)
+                centre[axis] = corner[axis] + float(random() % std::uint32_t(64 * size[axis] + 1)) / 64.f;
+        mesh.positions.insert(mesh.positions.end(),
+                              {centre - glm::vec3(0.25f, 0.25f, 0), centre + glm::vec3(0.25f, -0.25f, 0),
+                               centre + glm::vec3(0, 0.25f, 0)});
+        mesh.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
+    }
+    return mesh;
+}
 
-    const Bvh bvh = build(soup(2000, 0.001f, 4));
+/// The cells of the triangles' centres, in a grid of 2^`axis_bits` cubes along the longest axis, which is x.
+std::vector<glm::u64vec3> cells_of(const Mesh& mesh, unsigned axis_bits) {
+    std::vector<glm::dvec3> centres;
+    glm::dvec3 lo(1e9), hi(-1e9);
+    for (const glm::uvec3& t : mesh.triangles) {
+        const glm::dvec3 a(mesh.positions[t.x]), b(mesh.positions[t.y]), c(mesh.positions[t.z]);
+        centres.push_back((glm::min(glm::min(a, b), c) + glm::max(glm::max(a, b), c)) / 2.0);
+        lo = glm::min(lo, centres.back()), hi = glm::max(hi, centres.back());
+    }
+    const double cells = std::exp2(axis_bits);
+    std::vector<glm::u64vec3> all;
+    for (const glm::dvec3& centre : centres)
+        all.emplace_back(glm::min((centre - lo) / (hi.x - lo.x) * cells, glm::dvec3(cells - 1)));
+    return all;
+}
+
+/// Whether cell a precedes cell b: at the highest bit in which they differ, of x before y before z (Morton 1966).
+bool precedes(const glm::u64vec3& a, const glm::u64vec3& b) {
+    for (int bit = 20; bit >= 0; --bit)
+        for (int axis = 0; axis < 3; ++axis)
+            if (((a[axis] ^ b[axis]) >> bit & 1) != 0) return (b[axis] >> bit & 1) != 0;
+    return false;
+}
+
+/// Slots of the leaves as an in-order traversal of the tree meets them.
+std::vector<std::uint32_t> slots_in_order(const Bvh& bvh) {
     const std::vector<BvhNode> nodes = state_of(bvh).nodes.read();
-    // In-order traversal of the tree meets the leaves from first to last.
-    std::vector<std::uint32_t> stack = {state_of(bvh).read_header().root};
-    std::uint32_t next = 0;
+    std::vector<std::uint32_t> stack = {state_of(bvh).read_header().root}, slots;
     while (!stack.empty()) {
         const std::uint32_t child = stack.back();
         stack.pop_back();
-        if (child & CLARAY_LEAF) {
-            ASSERT_EQ(child & CLARAY_SLOT, next);
-            next += CLARAY_LEAF_COUNT(child);
-            continue;
-        }
-        stack.push_back(nodes[child].child1);
-        stack.push_back(nodes[child].child0);
+        if (child & CLARAY_LEAF)
+            for (std::uint32_t i = 0; i < CLARAY_LEAF_COUNT(child); ++i) slots.push_back((child & CLARAY_SLOT) + i);
+        else
+            stack.insert(stack.end(), {nodes[child].child1, nodes[child].child0});
     }
-    EXPECT_EQ(next, 2000u);
+    return slots;
 }
+
+TEST(Bvh, LeavesFollowTheMortonCurve) {
+    const Mesh mesh = triangles_on_a_grid();
+    for (const unsigned bits : {30u, 63u}) {
+        const std::vector<glm::u64vec3> cells = cells_of(mesh, bits / 3);
+        std::vector<std::uint32_t> expected(mesh.triangles.size());
+        std::iota(expected.begin(), expected.end(), 0u);
+        std::stable_sort(expected.begin(), expected.end(),
+                         [&](std::uint32_t a, std::uint32_t b) { return precedes(cells[a], cells[b]); });
+        const Bvh bvh = build(mesh, bits);
+        const std::vector<LeafTriangle> leaves = state_of(bvh).leaves.read();
+        std::vector<std::uint32_t> met;
+        for (const std::uint32_t slot : slots_in_order(bvh)) met.push_back(leaves[slot].primitive);
+        EXPECT_EQ(met, expected) << bits << " bits";
+    }
+}
+
+TEST(Bvh, TakesNoPoints) { EXPECT_EQ(build(soup(2000, 0.f, 4)).header().valid, 0u); }
 
 /// Cells are cubes: a scene a hundred times as wide as high is split along its width for at least twelve levels.
 TEST(Bvh, SplitsFlatScenesAlong) {

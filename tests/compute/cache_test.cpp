@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "claray/program.hpp"
+#include "host/compute/programs/kernel_sources.hpp"
 #include "host/compute/programs/program_cache.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/process.hpp"
@@ -71,6 +72,27 @@ TEST_F(Cache, OptionsAreInTheKey) {
     expect_from_cache(compile(1));
     expect_from_cache(compile(2));
     expect_from_cache(compile(1, Math::fast));
+}
+
+/// Neither claray's cache nor the driver's own, which tests keep from run to run, takes a program for another one that
+/// differs in a header only.
+TEST_F(Cache, AChangedHeaderIsCompiledAnew) {
+    const std::string path = "math/vector.clh", text = kernel_source(path).text;
+    const auto value_with = [&](const std::string& value) {
+        replace_kernel_source(path, text + "#define OF_THE_HEADER " + value + "\n");
+        const Device fresh = Device::open(std::to_string(device().info().index));
+        Buffer<int> out(fresh, 1);
+        const char* main = "#include \"math/vector.clh\"\nkernel void set(global int* out) { *out = OF_THE_HEADER; }";
+        compile_kernel(fresh, main, "set").run({1, 1}, out);
+        return out.read()[0];
+    };
+    const unsigned compiled = compile_statistics().compiled, from_cache = compile_statistics().from_cache;
+    EXPECT_EQ(value_with("1"), 1);
+    EXPECT_EQ(value_with("2"), 2);
+    EXPECT_EQ(compile_statistics().compiled, compiled + 2);
+    EXPECT_EQ(value_with("1"), 1);
+    EXPECT_EQ(compile_statistics().from_cache, from_cache + 1);
+    replace_kernel_source(path, text);
 }
 
 /// The source that the driver knows of a program; a program that was compiled and linked has none.

@@ -137,6 +137,22 @@ TEST(Tuning, NoTableDefinesOtherMacros) {
         EXPECT_NE(name, "CLARAY_TEXTBOOK_TRIANGLES");
 }
 
+/// Of the table's values only those that a kernel's text names are compiled into it.
+TEST(Tuning, ValuesThatTheHostReadsCompileNothing) {
+    const Device fresh = Device::open(std::to_string(device().info().index));
+    const auto programs = [&] {
+        const CompileStatistics before = compile_statistics();
+        (void)load_kernel(fresh, "sort/radix_sort.cl", "count_all_digits");
+        const CompileStatistics after = compile_statistics();
+        return after.compiled + after.from_cache - before.compiled - before.from_cache;
+    };
+    EXPECT_EQ(programs(), 1u);
+    fresh.set_tuning("sort/radix_sort", "ONESWEEP", 1 - fresh.tuning("sort/radix_sort", "ONESWEEP"));
+    EXPECT_EQ(programs(), 0u);
+    fresh.set_tuning("sort/radix_sort", "ITEMS", fresh.tuning("sort/radix_sort", "ITEMS") - 1);
+    EXPECT_EQ(programs(), 1u);
+}
+
 TEST(Tuning, MissingLocalTableIsAnError) {
     const ScopedEnvironment local("CLARAY_TUNING", "/no/such/table.txt");
     EXPECT_TRUE(throws_error(ErrorKind::user,

@@ -1,29 +1,10 @@
 #include "host/compute/programs/joint_program.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <set>
 
 namespace claray {
 namespace {
-
-bool is_part_of_name(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
-
-bool in_comment(const std::string& text, std::size_t at) {
-    const std::size_t comment = text.rfind("//", at), line = text.rfind('\n', at);
-    return comment != std::string::npos && (line == std::string::npos || comment > line);
-}
-
-/// Outside of comments.
-bool mentions(const std::string& text, const std::string& name) {
-    for (std::size_t at = 0; (at = text.find(name, at)) != std::string::npos; ++at) {
-        const std::size_t end = at + name.size();
-        const bool whole =
-            (at == 0 || !is_part_of_name(text[at - 1])) && (end == text.size() || !is_part_of_name(text[end]));
-        if (whole && !in_comment(text, at)) return true;
-    }
-    return false;
-}
 
 /// Empty if there is none. If a macro is given twice the compiler uses the last value.
 std::string value_of(const KernelRequest& request, const std::string& macro) {
@@ -65,7 +46,7 @@ bool can_share(const KernelRequest& a, const KernelRequest& b) {
     macros.merge(macros_of(b));
     const std::vector<const KernelSource*> headers = shared_headers(a, b);
     return std::none_of(macros.begin(), macros.end(), [&](const std::string& macro) {
-        const auto mentioning = [&](const KernelSource* header) { return mentions(header->text, macro); };
+        const auto mentioning = [&](const KernelSource* header) { return mentions(*header, macro); };
         if (std::none_of(headers.begin(), headers.end(), mentioning)) return false;
         const std::string otherwise = default_of(headers, macro), of_a = value_of(a, macro), of_b = value_of(b, macro);
         return (of_a.empty() ? otherwise : of_a) != (of_b.empty() ? otherwise : of_b);

@@ -1,11 +1,16 @@
 #include "host/compute/programs/kernel_sources.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <mutex>
 #include <sstream>
+#include <string_view>
+#include <unordered_map>
+#include <unordered_set>
+#include <utility>
 
 #include "claray/error.hpp"
 #include "host/base/hash.hpp"
@@ -113,6 +118,66 @@ std::vector<const KernelSource*> included_sources(const std::string& text) {
     std::vector<const KernelSource*> found;
     add_included(text, found);
     return found;
+}
+
+namespace {
+
+bool is_part_of_name(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
+
+/// The names and numbers of a text, outside of comments.
+std::unordered_set<std::string_view> words_of(std::string_view text) {
+    std::unordered_set<std::string_view> words;
+    for (std::size_t at = 0; at < text.size();) {
+        std::size_t end = at;
+        while (end < text.size() && is_part_of_name(text[end])) ++end;
+        if (end > at)
+            words.insert(text.substr(at, end - at));
+        else
+            end = text.substr(at, 2) == "//" ? std::min(text.find('\n', at), text.size()) : at + 1;
+        at = end;
+    }
+    return words;
+}
+
+/// What is known of the texts in use, so that each is read once. Threads that load kernels share it.
+struct KnownTexts {
+    std::mutex mutex;
+    std::unordered_map<const KernelSource*, std::unordered_set<std::string_view>> words;
+    std::unordered_map<const KernelSource*, std::vector<const KernelSource*>> with_included;
+    unsigned replaced = 0;  // the number of replacements when they were read
+};
+
+/// The known texts, locked, without the texts of before a replacement.
+std::pair<KnownTexts&, std::unique_lock<std::mutex>> known_texts() {
+    static KnownTexts known;
+    std::unique_lock lock(known.mutex);
+    if (known.replaced != replaced) known.words.clear(), known.with_included.clear();
+    known.replaced = replaced;
+    return {known, std::move(lock)};
+}
+
+bool mentions(KnownTexts& known, const KernelSource& source, std::string_view macro) {
+    const auto [entry, is_new] = known.words.try_emplace(&source);
+    if (is_new) entry->second = words_of(source.text);
+    return entry->second.contains(macro);
+}
+
+}  // namespace
+
+bool mentions(const KernelSource& source, const std::string& macro) {
+    const auto [known, lock] = known_texts();
+    return mentions(known, source, macro);
+}
+
+bool needs(const KernelSource& source, const std::string& macro) {
+    const auto [known, lock] = known_texts();
+    const auto [entry, is_new] = known.with_included.try_emplace(&source);
+    if (is_new) {
+        entry->second = included_sources(source.text);
+        entry->second.push_back(&source);
+    }
+    return std::any_of(entry->second.begin(), entry->second.end(),
+                       [&, &texts = known](const KernelSource* text) { return mentions(texts, *text, macro); });
 }
 
 std::string with_names_apart(std::string text) {

@@ -35,6 +35,11 @@ void replace_kernel_source(const std::string& path, std::string text);
 /// The files that a text includes directly or indirectly, for any values of its macros.
 std::vector<const KernelSource*> included_sources(const std::string& text);
 
+/// Whether the text of one of kernel_sources() names a macro, outside of comments.
+[[nodiscard]] bool mentions(const KernelSource& source, const std::string& macro);
+/// Whether it or a file that it includes does. A macro that no text names changes no program.
+[[nodiscard]] bool needs(const KernelSource& source, const std::string& macro);
+
 /// Passes claray's files to the compiler under names that no folder has: NVIDIA's (driver 580) searches the current
 /// folder and its folder `include` first, and would use a file of the same name there.
 inline constexpr const char* names_apart = "claray-sources/";

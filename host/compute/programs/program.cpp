@@ -331,7 +331,15 @@ std::string compiled_with(const Device& device, const cl::Kernel& kernel) try {
     return {};
 }
 
-std::string stem_of(const std::string& file) { return file.substr(0, file.rfind('.')); }
+/// Those given to a kernel file and its rows of the tuning table, without the macros that its text does not need: what
+/// the host alone reads must not compile a kernel again. CLARAY_... are switches of whole programs, such as fast math.
+Defines macros_of(const Device& device, const std::string& file, const Defines& defines) {
+    Defines macros = with_tuning(device, file.substr(0, file.rfind('.')), defines);
+    const KernelSource& main = kernel_source(file);
+    std::erase_if(macros,
+                  [&](const auto& macro) { return !macro.first.starts_with("CLARAY_") && !needs(main, macro.first); });
+    return macros;
+}
 
 }  // namespace
 
@@ -423,7 +431,7 @@ BuildReport report_build(const Device& device, const std::string& file, const De
     // A new declaration makes the source unknown to the driver's own cache.
     const auto now = std::chrono::system_clock::now().time_since_epoch().count();
     source.text += "\nvoid claray_never_seen_" + std::to_string(now) + "(void);\n";
-    std::string options = build_options(device, with_tuning(device, stem_of(file), defines), Math::strict), log;
+    std::string options = build_options(device, macros_of(device, file, defines), Math::strict), log;
     if (is_nvidia(device)) options += " -cl-nv-verbose";
     BuildReport report;
     const auto begin = std::chrono::steady_clock::now();
@@ -454,7 +462,7 @@ void read_build_log(const std::string& log, BuildReport& report) {
 
 Kernel load_kernel(const Device& device, const std::string& file, const std::string& function, const Defines& defines,
                    Math math) {
-    const Defines all = with_tuning(device, stem_of(file), defines);
+    const Defines all = macros_of(device, file, defines);
     if (state_of(device).requests == nullptr) return kernel_of(device, kernel_source(file), function, all, math, false);
     if (math == Math::strict) state_of(device).requests->push_back({file, all});
     return Kernel(device, {}, function);
