@@ -24,20 +24,18 @@ static inline float3 aov_albedo(const Seen* seen) {
     return fmin(albedo_of(m) + (float3)(m->emission_r, m->emission_g, m->emission_b), 1.0f);
 }
 
-#define WRITE_distance(pixel, i, to) to[i] = pixel
-#define WRITE_identifier WRITE_distance
-#define WRITE_count WRITE_distance
-#define WRITE_direction(pixel, i, to) vstore3(pixel, i, to)
-#define WRITE_color WRITE_direction
+// What a pixel consists of, by the kind of AOV.
+typedef float word_of_distance, word_of_direction, word_of_color;
+typedef uint word_of_identifier, word_of_count;
 
-#define WORD_distance float
-#define WORD_direction float
-#define WORD_color float
-#define WORD_identifier uint
-#define WORD_count uint
+static inline void write_distance(float pixel, uint i, global float* to) { to[i] = pixel; }
+static inline void write_direction(float3 pixel, uint i, global float* to) { vstore3(pixel, i, to); }
+static inline void write_color(float3 pixel, uint i, global float* to) { vstore3(pixel, i, to); }
+static inline void write_identifier(uint pixel, uint i, global uint* to) { to[i] = pixel; }
+static inline void write_count(uint pixel, uint i, global uint* to) { to[i] = pixel; }
 
-#define PARAMETER(name, kind, letters, meaning) , global WORD_##kind* name
-#define WRITE(name, kind, letters, meaning) WRITE_##kind(aov_##name(&seen), i, name);
+#define PARAMETER(name, kind, letters, meaning) , global word_of_##kind* name
+#define WRITE(name, kind, letters, meaning) write_##kind(aov_##name(&seen), i, name);
 
 /// For the first `step.capacity` rays.
 kernel void write_aovs(Step step, SCENE_PARAMETERS, global const Ray* rays, global const SceneHit* hits,
