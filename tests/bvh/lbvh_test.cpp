@@ -195,7 +195,7 @@ TEST(Bvh, LeavesFollowTheMortonCurve) {
     }
 }
 
-TEST(Bvh, TakesNoPoints) { EXPECT_EQ(build(soup(2000, 0.f, 4)).header().valid, 0u); }
+TEST(Bvh, TakesNoPoints) { EXPECT_EQ(state_of(build(soup(2000, 0.f, 4))).read_header().valid, 0u); }
 
 /// Cells are cubes: a scene a hundred times as wide as high is split along its width for at least twelve levels.
 TEST(Bvh, SplitsFlatScenesAlong) {
