@@ -27,6 +27,7 @@ public:
 private:
     struct Needs {
         bool opaque = false, transparent = false, coat = false, stretched = false;
+        bool changed = false;  ///< rough glass with another reflectance than Fresnel's
     };
     void add_needs(const Material& material);
     void fill_tables();

@@ -161,6 +161,37 @@ Material coated_brushed_metal(float roughness) {
     return m;
 }
 
+Material sheen_on_wall(float roughness) {
+    Material m = sheen_on_plastic(roughness);
+    m.transmission = 1.f, m.thin_walled = true;
+    return m;
+}
+Material weak_glass(float roughness) {
+    Material m = weak_plastic(roughness);
+    m.transmission = 1.f;
+    return m;
+}
+Material sheen_on_glass(float roughness) {
+    Material m = sheen_on_plastic(roughness);
+    m.transmission = 1.f;
+    return m;
+}
+Material coated_sheen_on_metal(float roughness) {
+    Material m = sheen_on_metal(roughness);
+    m.clearcoat = 1.f, m.clearcoat_roughness = 0.3f;
+    return m;
+}
+Material coated_film_on_glass(float roughness) {
+    Material m = film_on_glass(roughness);
+    m.clearcoat = 1.f, m.clearcoat_roughness = 0.3f;
+    return m;
+}
+Material brushed_film(float roughness) {
+    Material m = film_on_plastic(roughness);
+    m.anisotropy = 0.4f;
+    return m;
+}
+
 const std::vector<Kind> kinds = {
     {"Lambert", [](float r) { return white(MaterialKind::lambert, r); }},
     {"OrenNayar", [](float r) { return white(MaterialKind::oren_nayar, r); }},
@@ -178,7 +209,7 @@ const std::vector<Kind> kinds = {
     {"OnlyHighlight", only_highlight, false, false},
     {"Plastic", plastic},
     {"DensePlastic", dense_plastic},
-    {"CoatedPlastic", coated_plastic, false, true, false, 0.022},
+    {"CoatedPlastic", coated_plastic},
     {"CoatedMetal", coated_metal},
     {"UnderRoughCoat", under_rough_coat},
     {"TintedPlastic", tinted_plastic},
@@ -186,17 +217,27 @@ const std::vector<Kind> kinds = {
     {"SteepPlastic", steep_plastic},
     {"FilmOnPlastic", film_on_plastic},
     {"FilmOnMetal", film_on_metal, false, false},
-    {"FilmOnGlass", film_on_glass, false, false},
-    {"FilmOnGlassInside", film_on_glass, true, false},
+    {"FilmOnGlass", film_on_glass},
+    {"FilmOnGlassInside", film_on_glass, true},
     {"BrushedMetal", brushed_metal},
     {"BrushedPlastic", brushed_plastic},
-    {"SheenOnMirror", sheen_on_mirror, false, true, false, 0.03},
-    {"Cloth", cloth, false, true, false, 0.03},
-    {"CoatedCloth", coated_cloth, false, true, false, 0.015},
+    {"SheenOnMirror", sheen_on_mirror},
+    {"Cloth", cloth},
+    {"CoatedCloth", coated_cloth},
     {"CoatedBrushedMetal", coated_brushed_metal},
-    {"SheenOnMetal", sheen_on_metal, false, false},
+    {"SheenOnMetal", sheen_on_metal},
+    {"SheenOnMetalBehind", sheen_on_metal, true},
+    {"SheenOnWall", sheen_on_wall},
+    {"WeakGlass", weak_glass},
+    {"WeakGlassInside", weak_glass, true},
+    {"SheenOnGlass", sheen_on_glass},
+    {"SheenOnGlassInside", sheen_on_glass, true},
+    {"CoatedSheenOnMetal", coated_sheen_on_metal},
+    {"CoatedFilmOnGlass", coated_film_on_glass},
+    {"CoatedFilmOnGlassInside", coated_film_on_glass, true},
+    {"BrushedFilm", brushed_film},
     {"CoatedDiffuse", coated_diffuse},
-    {"SheenOnPlastic", sheen_on_plastic, false, true, false, 0.02},
+    {"SheenOnPlastic", sheen_on_plastic},
     {"CoatedFilm", coated_film},
     {"Mixture", mixture, false, true, true},
     {"MixtureInside", mixture, true, true, true},

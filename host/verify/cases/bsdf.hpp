@@ -65,14 +65,11 @@ private:
 
 /// The test of a material at a roughness, from outside and, if relevant, from inside.
 struct Kind {
-    static constexpr float grazes_below = 0.4f;  ///< cosine
-
     const char* name;
     Material (*make)(float roughness);
     bool inside = false;
-    bool complete = true;   ///< a white one reflects or transmits all light
-    bool mixed = false;     ///< its parts are chosen at random and tested separately
-    double grazing = 0.01;  ///< the share of light that a white one may lose where it grazes; elsewhere 0.01
+    bool complete = true;  ///< a white one reflects or transmits all light
+    bool mixed = false;    ///< its parts are chosen at random and tested separately
 };
 [[nodiscard]] const std::vector<Kind>& bsdf_kinds();
 [[nodiscard]] TestedMaterial tested(const Device& device, const Kind& kind, float roughness);

@@ -52,9 +52,9 @@ TEST_P(Bsdf, FurnaceStaysWhiteAtEveryRoughnessAndAngle) {
         const std::vector<float> albedos = out.read();
         for (std::size_t i = 0; i < count; ++i) {
             EXPECT_LE(albedos[i], 1.01f) << "roughness " << roughness << ", cosine " << cosines[i];
-            if (!GetParam().complete) continue;
-            EXPECT_GE(albedos[i], 1 - (cosines[i] < Kind::grazes_below ? GetParam().grazing : 0.01))
-                << "roughness " << roughness << ", cosine " << cosines[i];
+            if (GetParam().complete) {
+                EXPECT_GE(albedos[i], 0.99f) << "roughness " << roughness << ", cosine " << cosines[i];
+            }
         }
     }
 }
