@@ -28,7 +28,7 @@ install(FILES "${CMAKE_CURRENT_BINARY_DIR}/claray-config.cmake" "${CMAKE_CURRENT
 # For C and for builds without CMake: pkg-config --cflags --libs claray. Static libraries name all that they need.
 set(pc_libs "-lclaray_c -lclaray_io -lclaray")
 if(NOT BUILD_SHARED_LIBS)
-    foreach(library OpenCL::OpenCL tinyobjloader::tinyobjloader PNG::PNG ${claray_decoders})
+    foreach(library OpenCL::OpenCL tinyobjloader::tinyobjloader PNG::PNG JPEG::JPEG ${claray_decoders})
         if(TARGET ${library})
             string(APPEND pc_libs " $<TARGET_LINKER_FILE:${library}>")
         else()

@@ -96,6 +96,7 @@ std::string fault_of(const Read& read) {
     } catch (const std::exception& error) {
         std::string text = error.what();
         std::replace(text.begin(), text.end(), '\n', ' ');
+        if (const std::size_t name = text.rfind("\"memory\". "); name != std::string::npos) text.erase(0, name + 10);
         return text.empty() ? "the image is damaged" : text;
     }
 }
@@ -106,7 +107,7 @@ bool has_chroma(const Imf::ChannelList& channels) {
            !channels.findChannel("R");
 }
 
-/// The colours of the file itself, else those of its first layer that has some; else luminance.
+/// The colours of the file itself, else those of its first layer that has some; else luminance, or the only channel.
 std::vector<std::string> colors_of(const Imf::ChannelList& channels) {
     const auto with_alpha = [&](const std::string& prefix, std::vector<std::string> names) {
         if (channels.findChannel(prefix + "A") != nullptr) names.push_back(prefix + "A");
@@ -125,7 +126,17 @@ std::vector<std::string> colors_of(const Imf::ChannelList& channels) {
             if (auto names = in_layer(name.substr(0, name.size() - 1)); !names.empty()) return names;
     }
     if (channels.findChannel("Y") != nullptr) return with_alpha("", {"Y"});
+    auto second = channels.begin();
+    if (second == channels.end()) return {};
+    if (++second == channels.end()) return {channels.begin().name()};
     return {};
+}
+
+std::string names_of(const Imf::ChannelList& channels) {
+    std::string names;
+    for (auto channel = channels.begin(); channel != channels.end(); ++channel)
+        names += (names.empty() ? "" : ", ") + std::string(channel.name());
+    return names;
 }
 
 bool is_environment(const Imf::Header& header) { return Imf::hasEnvmap(header); }
@@ -230,7 +241,8 @@ std::string read_exr_shape(std::string_view bytes, ExrShape& shape) {
         const Imf::ChannelList& channels = file.header().channels();
         shape.names = colors_of(channels);
         shape.channels = unsigned(shape.names.size());
-        if (shape.names.empty()) throw std::runtime_error("it has neither the channels R, G and B nor Y");
+        if (shape.names.empty())
+            throw std::runtime_error("it has the channels " + names_of(channels) + ", but neither R, G and B nor Y");
         if (has_chroma(channels)) return;
         for (const std::string& name : shape.names)
             if (channels[name].xSampling != 1 || channels[name].ySampling != 1)

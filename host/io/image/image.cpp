@@ -16,18 +16,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-enum class Format { png, hdr, pfm, exr };
+enum class ImageFormat { png, hdr, pfm, exr };
 
 /// stb_image_write counts bytes with int.
 constexpr unsigned most_pixels_a_side = 1u << 14;
 
-Format format_of(const fs::path& path) {
+ImageFormat image_format_of(const fs::path& path) {
     std::string extension = path.extension().string();
     for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
-    if (extension == ".png") return Format::png;
-    if (extension == ".hdr") return Format::hdr;
-    if (extension == ".pfm") return Format::pfm;
-    if (extension == ".exr") return Format::exr;
+    if (extension == ".png") return ImageFormat::png;
+    if (extension == ".hdr") return ImageFormat::hdr;
+    if (extension == ".pfm") return ImageFormat::pfm;
+    if (extension == ".exr") return ImageFormat::exr;
     throw Error(ErrorKind::usage, "cannot write '" + path.string() + "': unknown image format '" + extension + "'",
                 "use the extension .png, .hdr, .pfm or .exr");
 }
@@ -89,17 +89,17 @@ std::string pfm_bytes(unsigned width, unsigned height, unsigned channels, const 
 }  // namespace
 
 void write_image(const fs::path& path, const Image& image, float exposure, ToneMap tone_map) {
-    const Format format = format_of(path);
+    const ImageFormat format = image_format_of(path);
     check_size(path, image.width, image.height, image.pixels.size(), most_pixels_a_side);
     switch (format) {
-        case Format::png: return write_encoded(path, png_bytes(image, exposure, tone_map));
-        case Format::hdr: return write_encoded(path, hdr_bytes(image));
-        case Format::exr: {
+        case ImageFormat::png: return write_encoded(path, png_bytes(image, exposure, tone_map));
+        case ImageFormat::hdr: return write_encoded(path, hdr_bytes(image));
+        case ImageFormat::exr: {
             ImageLayer layer;
             layer.values.assign(&image.pixels[0].x, &image.pixels[0].x + 3 * image.pixels.size());
             return write_exr(path, image.width, image.height, {layer});
         }
-        case Format::pfm: return write_file(path, pfm_bytes(image.width, image.height, 3, &image.pixels[0].x));
+        case ImageFormat::pfm: return write_file(path, pfm_bytes(image.width, image.height, 3, &image.pixels[0].x));
     }
 }
 
@@ -120,7 +120,7 @@ void write_pfm(const fs::path& path, unsigned width, unsigned height, const std:
 
 void write_texture(const fs::path& path, const Texture& texture) {
     const bool real = texture.format == TexelFormat::float32;
-    if (format_of(path) != (real ? Format::pfm : Format::png))
+    if (image_format_of(path) != (real ? ImageFormat::pfm : ImageFormat::png))
         throw Error(
             ErrorKind::usage,
             "cannot write '" + path.string() + "': the number of texels does not match the texture's size and format",
@@ -136,7 +136,7 @@ void write_texture(const fs::path& path, const Texture& texture) {
 }
 
 void check_writable(const fs::path& path) {
-    if (format_of(path) == Format::exr) require_exr(path.string());
+    if (image_format_of(path) == ImageFormat::exr) require_exr(path.string());
     check_file_writable(path);
 }
 

@@ -1,5 +1,5 @@
-// Image files in: PNG through libpng, JPEG, BMP and TGA through stb_image, WebP through libwebp, EXR through
-// libOpenEXR, HDR and PFM.
+// Image files in: PNG through libpng, JPEG through libjpeg, WebP through libwebp, EXR through libOpenEXR, and those
+// that claray reads itself.
 #include "host/io/image/image_file.hpp"
 
 #include <algorithm>
@@ -12,12 +12,12 @@
 #include "claray/error.hpp"
 #include "host/base/file.hpp"
 #include "host/io/image/exr.hpp"
-#include "host/io/image/formats/bmp_runs.hpp"
+#include "host/io/image/formats/bmp.hpp"
 #include "host/io/image/formats/other_formats.hpp"
 #include "host/io/image/formats/radiance.hpp"
-#include "host/io/image/jpeg_check.hpp"
+#include "host/io/image/formats/tga.hpp"
+#include "host/io/image/jpeg_read.hpp"
 #include "host/io/image/png_read.hpp"
-#include "host/io/image/stb_image_read.hpp"
 #include "host/io/image/webp_read.hpp"
 
 namespace claray {
@@ -100,7 +100,8 @@ bool is_pfm(std::string_view bytes) {
            (bytes[2] == '\n' || bytes[2] == '\r' || bytes[2] == ' ');
 }
 
-/// Portable float map (Debevec): three words, one blank, rows from the bottom up; a negative scale says little endian.
+/// Portable float map (Debevec): three words, one blank, rows from the bottom up; a negative scale says little endian,
+/// and its size multiplies the values.
 Texture decode_pfm(std::string_view bytes, const std::string& what, std::size_t room) {
     Texture texture;
     texture.format = TexelFormat::float32;
@@ -109,6 +110,7 @@ Texture decode_pfm(std::string_view bytes, const std::string& what, std::size_t 
     texture.width = number<unsigned>(word(rest), what);
     texture.height = number<unsigned>(word(rest), what);
     const float scale = number<float>(word(rest), what);
+    if (scale == 0.f || !std::isfinite(scale)) refuse(what, "its PFM header is damaged", "export it again");
     check_bytes(what, texture.width, texture.height, texture.channels * sizeof(float), room);
     const std::size_t row = std::size_t(texture.width) * texture.channels;
     if (rest.size() < 1 + row * texture.height * sizeof(float)) refuse(what, "it is cut off", "export it again");
@@ -117,6 +119,8 @@ Texture decode_pfm(std::string_view bytes, const std::string& what, std::size_t 
     for (unsigned y = texture.height; y-- > 0; in += row * sizeof(float))
         std::memcpy(texture.floats.data() + y * row, in, row * sizeof(float));
     if ((scale < 0.f) != (std::endian::native == std::endian::little)) swap_bytes(texture.floats);
+    if (const float unit = std::abs(scale); unit != 1.f)
+        for (float& value : texture.floats) value *= unit;
     return texture;
 }
 
@@ -134,20 +138,6 @@ Texture decode_exr(std::string_view bytes, const std::string& what, std::size_t 
     texture.format = TexelFormat::float32;
     fault = read_exr_pixels(bytes, shape, texture.floats);
     if (!fault.empty()) refuse(what, "the image is damaged (" + fault + ")", "export it again");
-    return texture;
-}
-
-Texture decode_webp(std::string_view bytes, const std::string& what, TexelFormat eight_bit, std::size_t room) {
-    WebpImage image;
-    std::string fault = read_webp_header(bytes, image);
-    if (!fault.empty()) refuse(what, fault, "convert it to PNG or JPEG");
-    check_bytes(what, image.width, image.height, image.channels, room);
-    fault = read_webp_pixels(bytes, image);
-    if (!fault.empty()) refuse(what, fault, "export it again");
-    Texture texture;
-    texture.width = image.width, texture.height = image.height, texture.channels = image.channels;
-    texture.format = eight_bit;
-    texture.bytes = std::move(image.bytes);
     return texture;
 }
 
@@ -185,33 +175,31 @@ Texture decode_radiance(std::string_view bytes, const std::string& what, std::si
     return texture;
 }
 
-Texture decode_others(std::string_view bytes, const std::string& what, TexelFormat eight_bit, std::size_t room) {
-    if (bytes.substr(0, 2) == "\xff\xd8" && !jpeg_tables_fit(bytes))
-        refuse(what, "the image is damaged (a Huffman table is too long)", "export it again");
-    std::optional<ImageShape> shape = image_shape(bytes);
-    if (!shape && bytes.starts_with("\xff\xd8"))
-        refuse(what, "the image is damaged (its JPEG header is broken or cut off)", "export it again");
-    if (!shape)
-        refuse(what, "it is not a PNG, JPEG, WebP, BMP, TGA, HDR, PFM or EXR image", "convert it to one of these");
-    check_bytes(what, shape->width, shape->height, shape->channels, room);
-    constexpr std::uint64_t most_packed = 4096;  // no format packs tighter, JPEG's of 1024 to 1 included
-    check_plausible(what, shape->width, shape->height,
-                    std::uint64_t(shape->width) * shape->height * shape->channels / most_packed, bytes.size());
-    Texture texture;
-    const std::string fault = decode_image(bytes, *shape, texture.bytes);
-    if (!fault.empty()) refuse(what, "the image is damaged (" + fault + ")", "export it again");
-    texture.width = shape->width, texture.height = shape->height, texture.channels = shape->channels;
-    texture.format = eight_bit;
-    return texture;
-}
+/// The readers of a format of 8 bits a channel. Each returns what is wrong, or nothing.
+struct ByteFormat {
+    bool (*is_it)(std::string_view);
+    std::string (*read_header)(std::string_view, ImageShape&);
+    std::string (*read_pixels)(std::string_view, const ImageShape&, std::vector<std::uint8_t>&);
+};
+constexpr ByteFormat byte_formats[] = {{is_jpeg, read_jpeg_header, read_jpeg_pixels},
+                                       {is_webp, read_webp_header, read_webp_pixels},
+                                       {is_bmp, read_bmp_header, read_bmp_pixels}};
+/// A TGA has no signature: what is no other format may be one.
+constexpr ByteFormat tga_format = {is_tga, read_tga_header, read_tga_pixels};
 
-Texture decode_bmp_of_runs(std::string_view bytes, const std::string& what, TexelFormat eight_bit, std::size_t room) {
-    const std::size_t size = size_without_bmp_runs(bytes);
-    if (size == 0) refuse(what, "the image is damaged (its size is invalid)", "export it again");
-    constexpr std::size_t most_packed = 4096;
-    if (size > room || size / most_packed > bytes.size())
-        refuse(what, "it is cut off, or too large: " + to_string(size) + " bytes", "export it again");
-    return decode_others(without_bmp_runs(bytes), what, eight_bit, room);
+Texture decode_bytes(const ByteFormat& format, std::string_view bytes, const std::string& what, TexelFormat eight_bit,
+                     std::size_t room) {
+    ImageShape shape;
+    std::string fault = format.read_header(bytes, shape);
+    if (!fault.empty()) refuse(what, fault, "export it again as PNG");
+    check_bytes(what, shape.width, shape.height, shape.channels, room);
+    check_plausible(what, shape.width, shape.height, shape.least_bytes, bytes.size());
+    Texture texture;
+    texture.width = shape.width, texture.height = shape.height, texture.channels = shape.channels;
+    texture.format = eight_bit;
+    fault = format.read_pixels(bytes, shape, texture.bytes);
+    if (!fault.empty()) refuse(what, "the image is damaged (" + fault + ")", "export it again");
+    return texture;
 }
 
 }  // namespace
@@ -221,12 +209,14 @@ Texture decode_texture(std::string_view bytes, const std::string& what, TexelFor
     if (is_pfm(bytes)) return decode_pfm(bytes, what, room);
     if (is_png(bytes)) return decode_png(bytes, what, eight_bit, room);
     if (is_exr(bytes)) return decode_exr(bytes, what, room);
-    if (is_webp(bytes)) return decode_webp(bytes, what, eight_bit, room);
     if (is_radiance(bytes)) return decode_radiance(bytes, what, room);
-    if (is_bmp_of_runs(bytes)) return decode_bmp_of_runs(bytes, what, eight_bit, room);
+    for (const ByteFormat& format : byte_formats)
+        if (format.is_it(bytes)) return decode_bytes(format, bytes, what, eight_bit, room);
     if (const OtherFormat other = other_format_of(bytes); !other.name.empty())
         refuse(what, "it is " + other.name + ", which claray does not read", other.remedy);
-    return decode_others(bytes, what, eight_bit, room);
+    if (!is_tga(bytes))
+        refuse(what, "it is not a PNG, JPEG, WebP, BMP, TGA, HDR, PFM or EXR image", "convert it to one of these");
+    return decode_bytes(tga_format, bytes, what, eight_bit, room);
 }
 
 Texture load_image(const fs::path& path, TexelFormat eight_bit) {

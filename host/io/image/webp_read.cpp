@@ -19,30 +19,32 @@ const std::uint8_t* words(std::string_view bytes) { return reinterpret_cast<cons
 
 }  // namespace
 
-std::string read_webp_header(std::string_view bytes, WebpImage& image) {
+std::string read_webp_header(std::string_view bytes, ImageShape& shape) {
     WebPBitstreamFeatures features;
     if (WebPGetFeatures(words(bytes), bytes.size(), &features) != VP8_STATUS_OK) return "its WebP header is damaged";
     if (features.has_animation) return "it is an animation";
-    image.width = unsigned(features.width), image.height = unsigned(features.height);
-    image.channels = features.has_alpha ? 4 : 3;
+    shape.width = unsigned(features.width), shape.height = unsigned(features.height);
+    shape.channels = features.has_alpha ? 4 : 3;
     return {};
 }
 
 /// The library's memory is copied only once all is decoded, so that broken data touches little of it.
-std::string read_webp_pixels(std::string_view bytes, WebpImage& image) {
+std::string read_webp_pixels(std::string_view bytes, const ImageShape& shape, std::vector<std::uint8_t>& values) {
     int width = 0, height = 0;
-    const auto decode = image.channels == 4 ? WebPDecodeRGBA : WebPDecodeRGB;
+    const auto decode = shape.channels == 4 ? WebPDecodeRGBA : WebPDecodeRGB;
     const std::unique_ptr<std::uint8_t, void (*)(void*)> pixels(decode(words(bytes), bytes.size(), &width, &height),
                                                                 WebPFree);
-    if (!pixels || unsigned(width) != image.width || unsigned(height) != image.height)
+    if (!pixels || unsigned(width) != shape.width || unsigned(height) != shape.height)
         return "it is cut off or damaged";
-    image.bytes.assign(pixels.get(), pixels.get() + std::size_t(image.width) * image.height * image.channels);
+    values.assign(pixels.get(), pixels.get() + std::size_t(shape.width) * shape.height * shape.channels);
     return {};
 }
 
 #else
-std::string read_webp_header(std::string_view, WebpImage&) { return "claray was built without libwebp"; }
-std::string read_webp_pixels(std::string_view, WebpImage&) { return "claray was built without libwebp"; }
+std::string read_webp_header(std::string_view, ImageShape&) { return "claray was built without libwebp"; }
+std::string read_webp_pixels(std::string_view, const ImageShape&, std::vector<std::uint8_t>&) {
+    return "claray was built without libwebp";
+}
 #endif
 
 }  // namespace claray

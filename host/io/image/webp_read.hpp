@@ -6,18 +6,16 @@
 #include <string_view>
 #include <vector>
 
-namespace claray {
+#include "host/io/image/image_shape.hpp"
 
-struct WebpImage {
-    unsigned width = 0, height = 0, channels = 0;  ///< 3, or 4 with alpha
-    std::vector<std::uint8_t> bytes;               ///< row by row from the top left
-};
+namespace claray {
 
 [[nodiscard]] bool is_webp(std::string_view bytes);
 
-/// Reads the sizes. Returns what is wrong, or nothing.
-[[nodiscard]] std::string read_webp_header(std::string_view bytes, WebpImage& image);
-/// Reads the pixels, after the header. Returns what is wrong, or nothing.
-[[nodiscard]] std::string read_webp_pixels(std::string_view bytes, WebpImage& image);
+/// Both return what is wrong with the file, or nothing.
+[[nodiscard]] std::string read_webp_header(std::string_view bytes, ImageShape& shape);
+/// Fills width * height * channels values from the top left.
+[[nodiscard]] std::string read_webp_pixels(std::string_view bytes, const ImageShape& shape,
+                                           std::vector<std::uint8_t>& values);
 
 }  // namespace claray

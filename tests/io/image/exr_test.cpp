@@ -219,8 +219,11 @@ TEST(Exr, DamagedFilesAreRefused) {
     for (const std::size_t size : {std::size_t(4), std::size_t(40), good.size() / 2, good.size() - 1})
         expect_error(ErrorKind::user, {"bad.exr"},
                      [&] { (void)load_image(folder.file("bad.exr", good.substr(0, size))); });
-    write_exr(folder / "depth.exr", 1, 1, {{"depth", "Z", {1}}});
-    expect_error(ErrorKind::user, {"depth.exr", "neither"}, [&] { (void)load_image(folder / "depth.exr"); });
+    write_exr(folder / "two.exr", 1, 1, {{"depth", "ZW", {1, 2}}});
+    expect_error(ErrorKind::user, {"two.exr", "channels depth.W, depth.Z", "neither"},
+                 [&] { (void)load_image(folder / "two.exr"); });
+    write_exr(folder / "depth.exr", 1, 1, {{"depth", "Z", {7}}});
+    EXPECT_EQ(load_image(folder / "depth.exr").floats, std::vector<float>{7}) << "the only channel";
     expect_error(ErrorKind::usage, {"2x2"}, [&] { write_exr(folder / "b.exr", 2, 2, {{"depth", "Z", {1}}}); });
 }
 

@@ -1,4 +1,4 @@
-// Kinds of images that stb_image does not read, and the names of those that claray does not read, either.
+// Image formats that claray reads itself, and the names of those that it does not read.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -142,18 +142,98 @@ TEST_F(ImageFormats, BmpOfRuns) {
     for (std::size_t size = 0; size < 70; ++size) refuse(bmp_of_runs(8, 2, 1, {}).substr(0, size), {"image.any"});
 }
 
-/// stb_image fails without a reason where a scan names a component that does not exist.
-TEST_F(ImageFormats, DamagedJpegsHaveAReason) {
-    const std::string whole = test::from_base64(test::jpeg);
-    const std::size_t scan = whole.find("\xff\xda");
-    ASSERT_NE(scan, std::string::npos);
-    std::string broken = whole;
-    broken[scan + 5] = 99;
-    refuse(broken, {"image.any", "damaged (it cannot be decoded)"});
-    broken = whole;
-    broken[whole.find("\xff\xc0") + 4] = 12;  // bits
-    refuse(broken, {"image.any", "damaged"});
-    refuse(broken + "\xff", {"image.any", "damaged"});
+/// Palettes of 1 to 8 bits; the header tells fewer colours than the file has room for.
+TEST_F(ImageFormats, BmpOfPalettes) {
+    for (const unsigned bits : {1u, 2u, 4u, 8u}) {
+        std::string bmp =
+            bmp_of_runs(bits, 2, 1, {bits == 8 ? std::uint8_t(0) : std::uint8_t(1u << (8 - 2 * bits)), 1, 0, 0});
+        bmp[30] = 0;
+        EXPECT_EQ(levels_of(load(bmp)), (Bytes{0, 1})) << bits;
+        bmp.insert(70, 30, 'x'), bmp[10] = 100;
+        EXPECT_EQ(levels_of(load(bmp)), (Bytes{0, 1})) << bits << " bits and a gap before the pixels";
+        bmp[46] = 1;
+        EXPECT_EQ(levels_of(load(bmp)), (Bytes{0, 0})) << "a colour that the palette does not have";
+    }
+}
+
+/// A BMP of pixels without a palette; `masks` follow a header of 40 bytes.
+std::string bmp_of_pixels(unsigned bits, unsigned width, int height, const std::vector<std::uint32_t>& masks,
+                          const Bytes& pixels) {
+    const auto begin = std::uint8_t(54 + 4 * masks.size());
+    Bytes bytes = {'B', 'M', 0, 0, 0, 0, 0, 0, 0, 0, begin, 0, 0, 0, 40, 0, 0, 0};
+    bytes.resize(54, 0);
+    bytes[18] = std::uint8_t(width), bytes[26] = 1, bytes[28] = std::uint8_t(bits);
+    bytes[30] = masks.empty() ? 0 : masks.size() == 3 ? 3 : 6;
+    for (std::size_t i = 0; i < 4; ++i) bytes[22 + i] = std::uint8_t(std::uint32_t(height) >> 8 * i);
+    for (const std::uint32_t mask : masks)
+        for (std::size_t i = 0; i < 4; ++i) bytes.push_back(std::uint8_t(mask >> 8 * i));
+    bytes.insert(bytes.end(), pixels.begin(), pixels.end());
+    return as_text(bytes);
+}
+
+TEST_F(ImageFormats, BmpOfMasks) {
+    const Bytes blue_red = {0x1f, 0, 0, 0x7c};
+    EXPECT_EQ(load(bmp_of_pixels(16, 2, 1, {}, blue_red)).bytes, (Bytes{0, 0, 255, 255, 0, 0}));
+    EXPECT_EQ(load(bmp_of_pixels(16, 2, 1, {0xf800, 0x7e0, 0x1f}, {0x10, 0, 0, 0x80})).bytes,
+              (Bytes{0, 0, 132, 132, 0, 0}));
+    EXPECT_EQ(load(bmp_of_pixels(32, 1, 1, {0x3ff00000, 0xffc00, 0x3ff}, {0xff, 3, 0, 0})).bytes, (Bytes{0, 0, 255}));
+    EXPECT_EQ(load(bmp_of_pixels(32, 1, 1, {0xff, 0xff00, 0xff0000, 0xff000000}, {1, 2, 3, 0})).bytes,
+              (Bytes{1, 2, 3, 0}));
+}
+
+/// Alpha that is 0 everywhere is padding, unless a mask names it.
+TEST_F(ImageFormats, BmpOf32Bits) {
+    EXPECT_EQ(load(bmp_of_pixels(32, 1, 1, {}, {3, 2, 1, 0})).bytes, (Bytes{1, 2, 3, 255}));
+    EXPECT_EQ(load(bmp_of_pixels(32, 2, 1, {}, {3, 2, 1, 0, 6, 5, 4, 9})).bytes, (Bytes{1, 2, 3, 0, 4, 5, 6, 9}));
+    EXPECT_EQ(load(bmp_of_pixels(32, 1, -2, {}, {3, 2, 1, 8, 6, 5, 4, 9})).bytes, (Bytes{1, 2, 3, 8, 4, 5, 6, 9}))
+        << "from the top";
+    refuse(bmp_of_pixels(64, 1, 1, {}, Bytes(8)), {"image.any", "64 bits", "PNG"});
+    refuse(bmp_of_pixels(24, 1, 2, {}, Bytes(6)), {"image.any", "cut off"});
+}
+
+/// OS/2: a header of 12 bytes, and colours of 3.
+TEST_F(ImageFormats, BmpOfOs2) {
+    const Bytes os2 = {'B', 'M', 0, 0, 0, 0, 0, 0, 0, 0, 32, 0, 0, 0, 12, 0, 0,   0, 1, 0,
+                       2,   0,   1, 0, 1, 0, 1, 2, 3, 4, 5,  6, 0, 0, 0,  0, 128, 0, 0, 0};
+    EXPECT_EQ(load(as_text(os2)).bytes, (Bytes{6, 5, 4, 3, 2, 1}));
+}
+
+/// The first of a colour map's entries may have any index; a map that the pixels do not use is skipped.
+TEST_F(ImageFormats, TgaOfColourMaps) {
+    Bytes tga = {0, 1, 1, 7, 0, 2, 0, 24, 0, 0, 0, 0, 3, 0, 1, 0, 8, 0x20, 3, 2, 1, 6, 5, 4, 8, 7, 8};
+    EXPECT_EQ(load(as_text(tga)).bytes, (Bytes{4, 5, 6, 1, 2, 3, 4, 5, 6}));
+    tga = {1, 1, 2, 0, 0, 1, 0, 24, 0, 0, 0, 0, 1, 0, 1, 0, 24, 0x20, 99, 9, 9, 9, 3, 2, 1};
+    EXPECT_EQ(load(as_text(tga)).bytes, (Bytes{1, 2, 3}));
+}
+
+TEST_F(ImageFormats, TgaOfRunsAndBits) {
+    const Bytes runs = {0, 0, 10, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 2, 0, 24, 0x20, 0x82, 3, 2, 1, 0, 6, 5, 4};
+    EXPECT_EQ(load(as_text(runs)).bytes, (Bytes{1, 2, 3, 1, 2, 3, 1, 2, 3, 4, 5, 6}))
+        << "a run goes on in the next row";
+    for (std::size_t size = 0; size < runs.size(); ++size) refuse(as_text(runs).substr(0, size), {"image.any"});
+    const Bytes five = {0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 1, 0, 16, 0x20, 0x1f, 0, 0, 0x7c};
+    EXPECT_EQ(load(as_text(five)).bytes, (Bytes{0, 0, 255, 255, 0, 0}));
+    const Bytes grey = {0, 0, 3, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 16, 0x20, 7, 8};
+    EXPECT_EQ(load(as_text(grey)).bytes, (Bytes{7, 8})) << "with alpha";
+    Bytes rgba = {0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 32, 0x28, 3, 2, 1, 0};
+    EXPECT_EQ(load(as_text(rgba)).bytes, (Bytes{1, 2, 3, 0}));
+    rgba[17] = 0x20;
+    EXPECT_EQ(load(as_text(rgba)).bytes, (Bytes{1, 2, 3, 255})) << "padding instead of alpha";
+}
+
+/// Two bytes of 2 are a pixel, too, where no row of this length begins so.
+TEST_F(ImageFormats, RadianceOfDarkPixels) {
+    const std::string dark = as_text({2, 2, 7, 128}), row = dark + dark + dark + dark;
+    EXPECT_EQ(load(radiance_file("", "-Y 1 +X 8", row + row)).floats.at(2), 7 / 256.f);
+}
+
+TEST_F(ImageFormats, PfmOfAScale) {
+    write_image(folder / "a.pfm", {1, 1, {glm::vec3(1, 2, 3)}});
+    std::string bytes = test::read_file(folder / "a.pfm");
+    bytes.replace(bytes.find("1.0\n"), 3, "2.5");
+    EXPECT_EQ(load(bytes).floats, (Floats{2.5, 5, 7.5}));
+    bytes.replace(bytes.find("2.5\n"), 3, "0.0");
+    refuse(bytes, {"image.any", "header is damaged"});
 }
 
 TEST_F(ImageFormats, OthersAreNamedWithAWayOut) {
@@ -173,6 +253,9 @@ TEST_F(ImageFormats, OthersAreNamedWithAWayOut) {
                                                           {"\xff\x0a", "JPEG XL"},
                                                           {"\0\0\0\x0cjP  \r\n"s, "JPEG 2000"},
                                                           {"qoif", "QOI"},
+                                                          {"icns", "ICNS"},
+                                                          {"\x0a\5\1\x08"s, "PCX"},
+                                                          {"\0\0\2\0\1\0"s, "CUR"},
                                                           {"P6\n1 1\n255\nabc", "Netpbm"},
                                                           {"\n<svg xmlns", "SVG"}};
     for (const auto& [bytes, name] : others) refuse(bytes + std::string(64, '\0'), {"image.any", name, "PNG"});
@@ -186,6 +269,8 @@ TEST_F(ImageFormats, BrokenBytesNeverCrash) {
     const Bytes rle8 = {3, 1, 1, 2, 0, 0, 0, 3, 1, 2, 3, 0, 0, 0, 0, 2, 2, 0, 2, 3, 0, 1};
     for (const std::string& whole :
          {bmp_of_runs(8, 4, 3, rle8), bmp_of_runs(4, 7, 3, rle8),
+          bmp_of_pixels(16, 2, -2, {0x7c00, 0x3e0, 7}, Bytes(8)),
+          as_text({0, 1, 9, 7, 0, 2, 0, 24, 0, 0, 0, 0, 3, 0, 1, 0, 8, 0x30, 3, 2, 1, 6, 5, 4, 0x81, 7, 0, 8}),
           radiance_file("EXPOSURE=2\n", "+X 5 -Y 2", red_pixels({130, 140}) + as_text({1, 1, 1, 3}) + red_pixels({1}))})
         test::expect_whole_or_one_line(whole, 1000);
 }

@@ -211,7 +211,6 @@ TEST_F(LoadImage, HdrOfRuns) {
     EXPECT_EQ(image.floats[3 * 7 + 2], 0.25f);
     EXPECT_EQ(image.floats[3 * (8 + 1)], 129 / 128.f);
     EXPECT_EQ(image.floats[3 * (8 + 2)], 130 / 256.f);
-    // stb_image would read zeros behind the end for ever, as runs of no length.
     for (const std::size_t at : {hdr_of_runs().size() - 1, hdr_of_runs().size() - 3})
         refuse(hdr_of_runs().substr(0, at), {"image.any", "cut off"});
     std::string long_run = hdr_of_runs();
@@ -228,7 +227,7 @@ TEST_F(LoadImage, PngsChecksumsAreChecked) {
     }
 }
 
-/// stb_image would write behind its arrays: every table of the file, one after the other, gets a count too many.
+/// Every table of the file, one after the other, gets a count too many.
 TEST_F(LoadImage, JpegsHuffmanTablesAreBounded) {
     const std::string whole = from_base64(test::jpeg);
     std::size_t tables = 0;
@@ -239,6 +238,33 @@ TEST_F(LoadImage, JpegsHuffmanTablesAreBounded) {
         ++tables;
     }
     EXPECT_GT(tables, 0u);
+}
+
+TEST_F(LoadImage, DamagedJpegsHaveAReason) {
+    const std::string whole = from_base64(test::jpeg);
+    std::string broken = whole;
+    broken[whole.find("\xff\xda") + 5] = 99;  // a component that does not exist
+    refuse(broken, {"image.any", "component"});
+    broken = whole;
+    broken[whole.find("\xff\xc0") + 4] = 12;  // bits
+    refuse(broken, {"image.any", "precision 12"});
+    broken[whole.find("\xff\xc0") + 1] = char(0xc3);  // lossless
+    refuse(broken, {"image.any", "SOF type 0xc3"});
+}
+
+/// Bytes between segments, and data that end before their image.
+TEST_F(LoadImage, JpegsOfOtherProgramsAreRead) {
+    const std::string whole = from_base64(test::jpeg);
+    const Bytes plain = load(whole).bytes;
+    std::string odd = whole;
+    odd.insert(odd.find("\xff\xc0"), "junk\xff\xff");
+    EXPECT_EQ(load(odd).bytes, plain) << "bytes between segments";
+    odd = whole;
+    odd.insert(2, text_of({0xff, 0xfe, 0, 4, 'h', 'i'}));
+    EXPECT_EQ(load(odd).bytes, plain) << "a comment";
+    odd = whole;
+    odd.erase(odd.size() - 6, 4);
+    EXPECT_EQ(load(odd).bytes.size(), plain.size()) << "a marker before the last pixels";
 }
 
 TEST_F(LoadImage, BrokenBytesNeverCrash) {

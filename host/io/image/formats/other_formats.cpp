@@ -48,6 +48,12 @@ constexpr Signature signatures[] = {
     {"\x59\xa6\x6a\x95"sv, 0, "a Sun raster image", Remedy::png},
     {"SIMPLE  ="sv, 0, "a FITS image", Remedy::exr},
     {"\0\0\1\0"sv, 0, "an icon (ICO)", Remedy::png},
+    {"icns"sv, 0, "an icon (ICNS)", Remedy::png},
+    {"\x53\x80\xf6\x34"sv, 0, "a Softimage picture (PIC)", Remedy::png},
+    {"\xb1\x68\xde\x3a"sv, 0, "a PCX document (DCX)", Remedy::png},
+    {"\x11\xaf"sv, 4, "a FLI animation", Remedy::png},
+    {"\x12\xaf"sv, 4, "a FLC animation", Remedy::png},
+    {"FTEX"sv, 0, "an FTEX texture", Remedy::png},
     {"BLP"sv, 0, "a BLP texture", Remedy::png},
     {"VTF\0"sv, 0, "a Valve texture (VTF)", Remedy::png},
     {"PVR\3"sv, 0, "a PVR texture", Remedy::png},
@@ -85,6 +91,17 @@ bool is_netpbm(std::string_view bytes) {
            " \t\r\n#"sv.find(bytes[2]) != std::string_view::npos;
 }
 
+/// A manufacturer, a version up to 5, runs, and 1 to 8 bits.
+bool is_pcx(std::string_view bytes) {
+    return bytes.size() > 3 && bytes[0] == 10 && bytes[1] >= 0 && bytes[1] <= 5 && bytes[2] == 1 &&
+           "\1\2\4\10"sv.find(bytes[3]) != std::string_view::npos;
+}
+
+/// A cursor, which an uncompressed TGA resembles but for the number of cursors.
+bool is_cursor(std::string_view bytes) {
+    return bytes.size() > 5 && bytes.starts_with("\0\0\2\0"sv) && bytes[4] != 0 && bytes[5] == 0;
+}
+
 /// Markup: whether its beginning names a tag.
 bool names(std::string_view bytes, std::string_view tag) {
     constexpr std::size_t beginning = 512;
@@ -102,6 +119,8 @@ OtherFormat other_format_of(std::string_view bytes) {
         if (bytes.size() >= s.at + s.bytes.size() && bytes.substr(s.at, s.bytes.size()) == s.bytes)
             return {s.name, text_of(s.remedy)};
     if (is_netpbm(bytes)) return {"a Netpbm image (PBM, PGM, PPM or PAM)", text_of(Remedy::png)};
+    if (is_pcx(bytes)) return {"a PCX image", text_of(Remedy::png)};
+    if (is_cursor(bytes)) return {"a cursor (CUR)", text_of(Remedy::png)};
     if (names(bytes, "<svg")) return {"an SVG drawing", text_of(Remedy::svg)};
     if (names(bytes, "<html") || names(bytes, "<!doctype html")) return {"a web page", text_of(Remedy::download)};
     return {};

@@ -98,10 +98,11 @@ class Lines {
 public:
     explicit Lines(std::string_view rest) : rest_(rest) {}
 
-    /// Returns false if the line is cut off, or if its runs are longer than it is.
+    /// Returns false if the line is cut off, or if its runs are longer than it is. Dark pixels can begin as runs do,
+    /// but for the length.
     bool read(std::vector<Rgbe>& line) {
-        const bool has_runs =
-            line.size() >= 8 && line.size() < 32768 && rest_.size() >= 4 && at(0) == 2 && at(1) == 2 && at(2) < 128;
+        const bool has_runs = line.size() >= 8 && line.size() < 32768 && rest_.size() >= 4 && at(0) == 2 &&
+                              at(1) == 2 && (std::size_t(at(2)) << 8 | at(3)) == line.size();
         return has_runs ? read_runs(line) : read_old(line);
     }
 
@@ -110,7 +111,6 @@ private:
 
     /// Each channel in turn: a count above 128 and a value, or a count and as many values.
     bool read_runs(std::vector<Rgbe>& line) {
-        if ((std::size_t(at(2)) << 8 | at(3)) != line.size()) return false;
         rest_.remove_prefix(4);
         for (std::size_t channel = 0; channel < 4; ++channel)
             for (std::size_t x = 0; x < line.size();) {
