@@ -12,7 +12,7 @@
 
 #include "bench/support.hpp"
 #include "claray/accuracy.hpp"
-#include "claray/target.hpp"
+#include "claray/plan/target.hpp"
 
 using namespace claray;
 

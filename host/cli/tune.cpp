@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "claray/io.hpp"
-#include "claray/target.hpp"
+#include "claray/plan/target.hpp"
 #include "host/base/file.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/options/option_rules.hpp"

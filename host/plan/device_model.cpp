@@ -4,7 +4,7 @@
 #include <cmath>
 #include <ctime>
 
-#include "claray/target.hpp"
+#include "claray/plan/target.hpp"
 #include "host/compute/device_state.hpp"
 
 namespace claray {

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "claray/target.hpp"
+#include "claray/plan/target.hpp"
 
 namespace claray {
 

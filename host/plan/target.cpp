@@ -1,5 +1,5 @@
 // The planner: which builder and which samples reach a target soonest.
-#include "claray/target.hpp"
+#include "claray/plan/target.hpp"
 
 #include <algorithm>
 #include <cmath>

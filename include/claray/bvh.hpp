@@ -26,7 +26,7 @@ enum class Layout {
 //   codes   1: sorts Morton codes first; 0: splits nodes from the root down (host/bvh/sbvh.hpp)
 //   splits  1: splits large triangles into several boxes
 
-/// Builders that the planner chooses among (claray/target.hpp).
+/// Builders that the planner chooses among (claray/plan/target.hpp).
 #define CLARAY_PLANNED_BUILDERS(X)                     \
     X(fast, FAST, "fastest to build", 1, 0)            \
     X(balanced, BALANCED, "better tree, slower", 1, 0) \

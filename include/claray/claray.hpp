@@ -10,6 +10,7 @@
 #include "claray/image/picture.hpp"
 #include "claray/instances.hpp"
 #include "claray/mesh.hpp"
+#include "claray/plan/target.hpp"
 #include "claray/primitives/curves.hpp"
 #include "claray/primitives/primitives.hpp"
 #include "claray/profiler.hpp"
@@ -21,4 +22,3 @@
 #include "claray/query/points.hpp"
 #include "claray/renderer.hpp"
 #include "claray/scene.hpp"
-#include "claray/target.hpp"

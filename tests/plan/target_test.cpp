@@ -1,5 +1,5 @@
 // host/plan: the planner and its model of the device. No test depends on speed.
-#include "claray/target.hpp"
+#include "claray/plan/target.hpp"
 
 #include <gtest/gtest.h>
 

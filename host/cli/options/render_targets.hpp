@@ -3,7 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "claray/target.hpp"
+#include "claray/plan/target.hpp"
 #include "host/cli/options/render_options.hpp"
 
 namespace claray::cli {

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "claray/device.hpp"
+#include "claray/plan/target.hpp"
 #include "claray/scale/render_group.hpp"
-#include "claray/target.hpp"
 #include "host/cli/options/render_options.hpp"
 #include "host/cli/output/outputs.hpp"
 

@@ -18,8 +18,8 @@ namespace claray {
 /// thread may call these functions.
 class KernelPool : public std::enable_shared_from_this<KernelPool> {
 public:
-    /// Returns an idle kernel, or what `make` returns if there is none. It comes back with its last copy, unless
-    /// someone else holds the kernel object then.
+    /// Returns an idle kernel, or what `make` returns if there is none. It comes back with its last copy, and is lent
+    /// again once neither a command nor a program holds the kernel object.
     [[nodiscard]] Kernel take(const Device& device, const cl::Program& program, const std::string& function,
                               const std::function<Kernel()>& make);
     /// Releases the idle kernels of a program.
