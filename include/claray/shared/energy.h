@@ -66,7 +66,7 @@
 #define CLARAY_ENERGY_BLOCK (3 * CLARAY_ENERGY_TABLE + 1)
 
 /// After the coat's block: the scale of a metal under the coat, by the coat's roughness, the metal's roughness (fewer
-/// steps) and cosine_place; then the spread table of an interface under it.
+/// steps) and cosine_place. Then the spread table of an interface under it.
 #define CLARAY_COAT_IOR 1.5f
 #define CLARAY_COAT_SCALES CLARAY_ENERGY_BLOCK
 #define CLARAY_COAT_SPREAD (CLARAY_COAT_SCALES + CLARAY_COAT_TABLE)
@@ -76,7 +76,7 @@
 #define CLARAY_STRETCHED_UNREFLECTED (CLARAY_COAT_SPREAD + CLARAY_SPREAD_TABLE)
 
 /// After the room of all these, for rough glass with another reflectance than Fresnel's, seen from outside and from
-/// inside: what it gains in transmission over reflection, scattered once, at facets of the outer cosines (k / 7)^2. In
+/// inside. It is the gain in transmission over reflection, scattered once, at facets of the outer cosines (k / 7)^2. In
 /// the form of CLARAY_FACETS, but by loss_place, and averages are divided by alpha^2.
 #define CLARAY_GLASS_FACETS (CLARAY_STRETCHED_UNREFLECTED + CLARAY_STRETCH_TABLE)
 
