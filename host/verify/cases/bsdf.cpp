@@ -188,7 +188,7 @@ Material coated_film_on_glass(float roughness) {
 }
 Material brushed_film(float roughness) {
     Material m = film_on_plastic(roughness);
-    m.anisotropy = 0.4f;
+    m.anisotropy = 0.4f, m.film_thickness.y = 250.f;
     return m;
 }
 
