@@ -140,8 +140,8 @@ private:
 };
 
 /// Loads one of claray's own kernels by its file under kernels/ (such as "sort/radix_sort.cl"). It is compiled once per
-/// device and set of macros, then cached in memory and on disk. The file's tuning values become macros; `defines`
-/// override them. Throws ErrorKind::device with the compiler's log, ErrorKind::usage for an unknown function.
+/// device and set of macros, then cached in memory and on disk. The tuning values that its text names become macros;
+/// `defines` override them. Throws ErrorKind::device with the compiler's log, ErrorKind::usage for an unknown function.
 [[nodiscard]] Kernel load_kernel(const Device& device, const std::string& file, const std::string& function,
                                  const Defines& defines = {}, Math math = Math::strict);
 
