@@ -64,6 +64,19 @@ TEST(Brightness, OfSurfaces) {
     EXPECT_STREQ(fault_of(pixels, depth), "") << "what is lit is light enough";
 }
 
+TEST(Brightness, ADarkSurfaceInLightIsNoFault) {
+    const std::vector<glm::vec3> pixels(10, glm::vec3(0.002f)), dark(10, glm::vec3(0.003f)), light(10, glm::vec3(0.5f));
+    const std::vector<float> depth(10, 1.f);
+    const auto with = [&](const std::vector<glm::vec3>& albedo) {
+        return cli::SurfaceBrightness(pixels, depth, ToneMap::aces, albedo);
+    };
+    EXPECT_STREQ(with(light).fault(), "black");
+    EXPECT_EQ(with(dark).fault(), nullptr);
+    EXPECT_NEAR(with(dark).exposure(), std::log2(0.5 / 0.12), 0.1) << "as dark grey would be shown";
+    const std::vector<glm::vec3> none(10, glm::vec3(0.f));
+    EXPECT_EQ(with(none).exposure(), with(light).exposure()) << "what reflects nothing shines itself";
+}
+
 /// A square that nothing lights.
 class DarkFile : public InFolder {
 protected:

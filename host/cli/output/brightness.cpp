@@ -18,6 +18,13 @@ std::string exposure_for(double luminance) {
     return "--exposure " + std::to_string(std::lround(std::log2(medium / luminance)));
 }
 
+/// How much brighter a surface would be if it were at least dark grey. What reflects nothing may shine itself.
+double as_dark_grey(const glm::vec3& albedo) {
+    constexpr double dark_grey = 0.18, nothing = 1e-4;
+    const double reflected = luminance(albedo);
+    return reflected > nothing && reflected < dark_grey ? dark_grey / reflected : 1;
+}
+
 }  // namespace
 
 std::optional<std::string> brightness_warning(std::span<const glm::vec3> pixels, std::optional<float> exposure) {
@@ -39,16 +46,17 @@ std::optional<std::string> brightness_warning(std::span<const glm::vec3> pixels,
     return {};
 }
 
-SurfaceBrightness::SurfaceBrightness(std::span<const glm::vec3> pixels, std::span<const float> depth,
-                                     ToneMap tone_map) {
+SurfaceBrightness::SurfaceBrightness(std::span<const glm::vec3> pixels, std::span<const float> depth, ToneMap tone_map,
+                                     std::span<const glm::vec3> albedo) {
     std::vector<double> lit;
     double surfaces = 0, visible = 0, whites = 0;
     for (std::size_t i = 0; i < pixels.size(); ++i) {
         if (!depth.empty() && !std::isfinite(depth[i])) continue;
         const double bright = luminance(pixels[i]);
-        surfaces += 1, visible += bright >= visible_luminance;
+        const double as_grey = bright * (albedo.empty() ? 1 : as_dark_grey(albedo[i]));
+        surfaces += 1, visible += as_grey >= visible_luminance;
         whites += bright > (tone_map == ToneMap::aces ? white_luminance : 1);
-        if (bright > 0 && std::isfinite(bright)) lit.push_back(bright);
+        if (as_grey > 0 && std::isfinite(as_grey)) lit.push_back(as_grey);
     }
     if (lit.empty()) return;
     visible_ = visible / surfaces, white_ = whites / double(lit.size());

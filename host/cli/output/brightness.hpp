@@ -21,9 +21,10 @@ inline constexpr double white_luminance = 4;  ///< the filmic curve shows 98 % f
 /// How bright the surfaces of a picture are at exposure 0.
 class SurfaceBrightness {
 public:
-    /// `depth` is infinite where a pixel shows no surface; empty: all pixels count.
+    /// `depth` is infinite where a pixel shows no surface; empty: all pixels count. With `albedo`, surfaces that are
+    /// dark count as dark grey ones in their place: in enough light, they are to look dark.
     explicit SurfaceBrightness(std::span<const glm::vec3> pixels, std::span<const float> depth = {},
-                               ToneMap tone_map = ToneMap::aces);
+                               ToneMap tone_map = ToneMap::aces, std::span<const glm::vec3> albedo = {});
 
     /// Whether `fault` could find one if it knew where surfaces are.
     [[nodiscard]] bool is_doubtful() const;

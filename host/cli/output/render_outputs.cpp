@@ -185,7 +185,10 @@ void choose_exposure(const std::vector<glm::vec3>& pixels, const Renderer* rende
     if (options.exposure || !is_of_bytes(options.output)) return;
     SurfaceBrightness surfaces(pixels, {}, options.tone_map);
     const bool asks = options.auto_exposure || surfaces.is_doubtful();
-    if (asks && renderer != nullptr) surfaces = SurfaceBrightness(pixels, renderer->aovs().depth, options.tone_map);
+    if (asks && renderer != nullptr) {
+        const Aovs aovs = renderer->aovs();
+        surfaces = SurfaceBrightness(pixels, aovs.depth, options.tone_map, aovs.albedo);
+    }
     const char* const fault = asks ? surfaces.fault() : nullptr;
     options.exposure = options.auto_exposure || fault ? surfaces.exposure() : 0.f;
     if (fault && !options.auto_exposure)
