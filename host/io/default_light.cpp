@@ -1,6 +1,5 @@
 #include "host/io/default_light.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "claray/error.hpp"
@@ -44,22 +43,6 @@ bool is_usable(const Camera& camera) {
     }
 }
 
-float most(const glm::vec3& color) { return std::max({color.x, color.y, color.z}); }
-
-/// As much as white paint.
-constexpr float most_of_paint = 0.8f;
-
-bool reflects_more_than_paint(const Scene& scene) {
-    return std::any_of(scene.materials.begin(), scene.materials.end(),
-                       [](const Material& m) { return !transmits(m.kind) && most(m.albedo) > most_of_paint; });
-}
-
-void limit_reflection(Scene& scene, float limit) {
-    for (Material& material : scene.materials)
-        if (const float reflected = most(material.albedo); !transmits(material.kind) && reflected > limit)
-            material.albedo *= limit / reflected;
-}
-
 std::string reason(const LightProbe& probe) {
     if (probe.lights == 0) return "the file has no light";
     if (probe.visible == 0) return "no light of the file reaches the visible surfaces";
@@ -87,10 +70,6 @@ void light(Scene& scene, const Camera& camera, bool inside, const LightProbe& pr
         chosen.past_backs |= behind;
         chosen.light = why + ", and a sky would not help: added a lamp " +
                        (behind ? "behind the one-sided surfaces before the camera" : "at the camera");
-        if (reflects_more_than_paint(scene)) {
-            chosen.added.most_reflected = most_of_paint;
-            chosen.light += ", and its surfaces reflect at most 80 %";
-        }
     }
     add(scene, chosen.added);
 }
@@ -107,7 +86,6 @@ void add(Scene& scene, const DefaultLight& light) {
     if (light.sky) scene.sky = *light.sky;
     if (light.environment) scene.environment = *light.environment;
     if (light.lamp) scene.lights.push_back(*light.lamp);
-    if (light.most_reflected < 1.f) limit_reflection(scene, light.most_reflected);
 }
 
 Chosen make_visible(Scene& scene, const Camera& camera, float aspect, const MayChoose& may) {

@@ -31,7 +31,6 @@ struct DefaultLight {
     std::optional<Sky> sky;
     std::optional<Environment> environment;
     std::optional<Light> lamp;
-    float most_reflected = 1.f;  ///< of opaque surfaces: in a closed room that reflects all, light never ends
 };
 void add(Scene& scene, const DefaultLight& light);
 

@@ -188,17 +188,6 @@ TEST_F(DefaultLight, InAClosedRoomALampIsPutAtTheCamera) {
     EXPECT_EQ(warnings[0], "the file has no light, and a sky would not help: added a lamp at the camera");
 }
 
-/// Without a base colour, a material of glTF reflects all.
-TEST_F(DefaultLight, InAClosedRoomThatReflectsAllLightIsLimited) {
-    add_box(10);
-    Scene white = load();
-    for (Material& material : white.materials) material.albedo = glm::vec3(1.f, 0.5f, 0.f);
-    white.lights.clear();
-    const Chosen chosen = make_visible(white);
-    EXPECT_NE(chosen.light.find("at most 80 %"), std::string::npos) << chosen.light;
-    for (const Material& material : white.materials) EXPECT_EQ(material.albedo, glm::vec3(0.8f, 0.4f, 0.f));
-}
-
 TEST_F(DefaultLight, NotWhereTheRoomHasALamp) {
     add_box(10);
     add_light("point", 30, {0, 3, 3});
