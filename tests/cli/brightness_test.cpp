@@ -148,7 +148,7 @@ TEST_F(DarkFile, LightInPhysicalUnitsIsExposed) {
     EXPECT_TRUE(chosen > 150 && chosen < 230) << chosen;
     EXPECT_FALSE(tells(lit("2000", {"--exposure", "0"}), line));
     EXPECT_GT(middle_of(path("a.png")), 250u);
-    EXPECT_EQ(lit("3", {"--exposure", "automatic"}).errors, "");
+    for (const char* name : {"automatic", "auto"}) EXPECT_EQ(lit("3", {"--exposure", name}).errors, "");
     EXPECT_NEAR(middle_of(path("a.png")), chosen, 3);
     EXPECT_FALSE(tells(lit("2000", {"-o", path("a.pfm")}), line)) << "which stores the radiance";
     EXPECT_NEAR(load_image(path("a.pfm")).floats[3 * (16 * 8 + 8)], 2000 * 0.5 / 3.14159265, 1);

@@ -11,18 +11,21 @@
 namespace claray::cli {
 namespace {
 
+bool is_automatic(const std::string& text) { return text == "automatic" || text == "auto"; }
+
 void add_exposure_option(CLI::App& command, RenderOptions& o) {
     command
         .add_option_function<std::string>(
             "--exposure",
             [&o](const std::string& text) {
-                o.auto_exposure = text == "automatic";
+                o.auto_exposure = is_automatic(text);
                 o.exposure = o.auto_exposure ? std::nullopt : std::optional(parse_numbers(text).at(0));
             },
-            "Brighten a PNG by this many stops, or automatic: by as many as show its surfaces in a medium brightness\n"
+            "Brighten a PNG by this many stops, or automatic (auto): by as many as show its surfaces in a medium "
+            "brightness\n"
             "[automatic where they would be mostly white or black, else 0]")
         ->check([number = finite_number()](const std::string& text) {
-            const std::string mistake = text == "automatic" ? std::string() : number(text);
+            const std::string mistake = is_automatic(text) ? std::string() : number(text);
             return mistake.empty() ? mistake : mistake + ", or automatic";
         })
         ->type_name("STOPS");
