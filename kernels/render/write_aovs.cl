@@ -24,9 +24,12 @@ static inline float3 aov_albedo(const Seen* seen) {
     return fmin(albedo_of(m) + (float3)(m->emission_r, m->emission_g, m->emission_b), 1.0f);
 }
 
-// What a pixel consists of, by the kind of AOV.
-typedef float word_of_distance, word_of_direction, word_of_color;
-typedef uint word_of_identifier, word_of_count;
+// What a pixel consists of, by the kind of AOV. Macros, since the host compares the names of types.
+#define WORD_distance float
+#define WORD_direction float
+#define WORD_color float
+#define WORD_identifier uint
+#define WORD_count uint
 
 static inline void write_distance(float pixel, uint i, global float* to) { to[i] = pixel; }
 static inline void write_direction(float3 pixel, uint i, global float* to) { vstore3(pixel, i, to); }
@@ -34,7 +37,7 @@ static inline void write_color(float3 pixel, uint i, global float* to) { vstore3
 static inline void write_identifier(uint pixel, uint i, global uint* to) { to[i] = pixel; }
 static inline void write_count(uint pixel, uint i, global uint* to) { to[i] = pixel; }
 
-#define PARAMETER(name, kind, letters, meaning) , global word_of_##kind* name
+#define PARAMETER(name, kind, letters, meaning) , global WORD_##kind* name
 #define WRITE(name, kind, letters, meaning) write_##kind(aov_##name(&seen), i, name);
 
 /// For the first `step.capacity` rays.
