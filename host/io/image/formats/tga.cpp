@@ -11,7 +11,7 @@ namespace {
 
 using Values = std::vector<std::uint8_t>;
 
-constexpr std::size_t header_bytes = 18;
+constexpr std::size_t tga_header_bytes = 18;
 enum Kind : unsigned { mapped = 1, colors = 2, grey = 3 };
 
 struct Tga {
@@ -36,7 +36,7 @@ Tga header_of(std::string_view bytes) {
     tga.kind = field(2) & 7, tga.has_runs = (field(2) & 8) != 0, tga.has_map = field(1) == 1;
     tga.map_first = field(3, 2), tga.map_length = field(5, 2), tga.map_bits = field(7);
     tga.width = field(12, 2), tga.height = field(14, 2), tga.bits = field(16), tga.descriptor = field(17);
-    tga.map = header_bytes + field(0);
+    tga.map = tga_header_bytes + field(0);
     return tga;
 }
 
@@ -71,7 +71,7 @@ std::string without_runs(std::string_view rest, std::size_t count, std::size_t s
 }  // namespace
 
 bool is_tga(std::string_view bytes) {
-    if (bytes.size() < header_bytes) return false;
+    if (bytes.size() < tga_header_bytes) return false;
     const Tga tga = header_of(bytes);
     if (little_endian(bytes, 1, 1) > 1 || little_endian(bytes, 2, 1) > 11 || tga.width == 0 || tga.height == 0)
         return false;
