@@ -151,7 +151,7 @@ TEST(Rng, DevicesDrawWhatTheHostDraws) {
                 const uint i = get_global_id(0);
                 if (i >= count) return;
                 const Batch batch = {5u, count, 3u, 6u, 0u};
-                const SurfaceSamples at = samples_at(samples_of(batch, 0, i, seed), i % 7);
+                const SurfaceSamples at = samples_at(samples_of(first_state(batch, 0, i), seed), i % 7);
                 for (uint which = 0; which < 4; ++which) {
                     const SamplePair pair = words_at(&at, which);
                     words[8 * i + 2 * which] = pair.x, words[8 * i + 2 * which + 1] = pair.y;
