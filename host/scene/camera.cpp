@@ -18,39 +18,32 @@ bool finite_vector(const glm::vec3& v) { return !glm::any(glm::isnan(v)) && !glm
 /// From the front, about 24 degrees from the right and 16 degrees from above.
 glm::dvec3 towards_camera() { return glm::normalize(glm::dvec3(0.45, 0.3, 1.0)); }
 
-/// Calls `visit` with each mesh as it stands in the world, and its transform.
+/// Calls `visit` with points in the world that span the scene, and with radii around them. Of many vertices a part.
 template <class Visit>
-void visit_meshes(const Scene& scene, const Visit& visit) {
-    if (scene.instances.empty())
-        for (const Mesh& mesh : scene.meshes) visit(mesh, glm::mat4(1.f));
+void visit_points(const Scene& scene, const Visit& visit) {
+    constexpr std::size_t enough = 2'000'000;
+    const auto visit_mesh = [&](const Mesh& mesh, const glm::mat4& transform, std::size_t stride) {
+        for (std::size_t i = 0; i < mesh.positions.size(); i += stride)
+            visit(glm::dvec3(transform * glm::vec4(mesh.positions[i], 1.f)), 0.0);
+    };
+    std::size_t vertices = 0;
+    const bool placed = !scene.instances.empty();
+    for (const Mesh& mesh : scene.meshes) vertices += placed ? 0 : mesh.positions.size();
+    const auto exists = [&](const MeshInstance& instance) { return instance.mesh < scene.meshes.size(); };
+    for (const MeshInstance& instance : scene.instances)
+        vertices += exists(instance) ? scene.meshes[instance.mesh].positions.size() : 0;
+    const std::size_t stride = 1 + vertices / enough;
+    for (const Mesh& mesh : scene.meshes)
+        if (!placed) visit_mesh(mesh, glm::mat4(1.f), stride);
     for (const MeshInstance& instance : scene.instances)
         for (const glm::mat4& transform : {instance.transform, instance.transform_end.value_or(instance.transform)})
-            if (instance.mesh < scene.meshes.size()) visit(scene.meshes[instance.mesh], transform);
-}
-
-/// Calls `visit` with points of the primitives, and with radii around them.
-template <class Visit>
-void visit_primitives(const Scene& scene, const Visit& visit) {
+            if (exists(instance)) visit_mesh(scene.meshes[instance.mesh], transform, stride);
     for (const PrimitiveSet& set : scene.primitives) {
         const std::size_t step = set.kind == PrimitiveSet::Kind::discs ? 2 : 1;
         const bool cylinders = set.kind == PrimitiveSet::Kind::cylinders;  // of which the first end has the radius
         for (std::size_t i = 0; i < set.points.size(); i += step)
             visit(glm::dvec3(set.points[i]), double(set.points[cylinders ? i - i % 2 : i].w));
     }
-}
-
-/// Calls `visit` with points in the world that span the scene, and with radii around them. Of many vertices a part.
-template <class Visit>
-void visit_points(const Scene& scene, const Visit& visit) {
-    constexpr std::size_t enough = 2'000'000;
-    std::size_t vertices = 0;
-    visit_meshes(scene, [&](const Mesh& mesh, const glm::mat4&) { vertices += mesh.positions.size(); });
-    const std::size_t stride = 1 + (scene.instances.empty() ? vertices : vertices / 2) / enough;  // two transforms
-    visit_meshes(scene, [&](const Mesh& mesh, const glm::mat4& transform) {
-        for (std::size_t i = 0; i < mesh.positions.size(); i += stride)
-            visit(glm::dvec3(transform * glm::vec4(mesh.positions[i], 1.f)), 0.0);
-    });
-    visit_primitives(scene, visit);
 }
 
 /// What is in front of a camera, along one axis of the image: the two planes at its borders that touch the scene.
@@ -65,49 +58,6 @@ struct Span {
     [[nodiscard]] double middle() const { return 0.5 * (low + high); }
     [[nodiscard]] double distance(double slope) const { return 0.5 * (high - low) / slope; }
 };
-
-float diagonal(const Bounds& bounds) { return bounds.empty() ? 0.f : glm::length(bounds.extent()); }
-
-/// The box of all that reaches above a height along an axis; of a part of it, once that is larger than `limit`.
-Bounds above(const Scene& scene, int axis, float height, float limit) {
-    Bounds box;
-    visit_meshes(scene, [&](const Mesh& mesh, const glm::mat4& transform) {
-        for (std::size_t t = 0; t < mesh.triangles.size() && diagonal(box) <= limit; ++t) {
-            Bounds triangle;
-            for (int k = 0; k < 3; ++k) {
-                const std::uint32_t vertex = mesh.triangles[t][k];
-                if (vertex < mesh.positions.size())
-                    triangle.grow(glm::vec3(transform * glm::vec4(mesh.positions[vertex], 1.f)));
-            }
-            if (triangle.hi[axis] > height) box.grow(triangle.lo), box.grow(triangle.hi);
-        }
-    });
-    visit_primitives(scene, [&](const glm::dvec3& point, double radius) {
-        if (point[axis] + radius > double(height))
-            box.grow(glm::vec3(point - radius)), box.grow(glm::vec3(point + radius));
-    });
-    return box;
-}
-
-/// A flat floor, or a wall behind, that is far larger than all else is no measure for the view: returns the box of all
-/// else, down to it. Empty: there is none.
-Bounds on_large_floor(const Scene& scene, const Bounds& all) {
-    constexpr float thickness = 0.005f, much_smaller = 0.2f;
-    const float size = diagonal(all);
-    for (const int axis : {1, 2, 0}) {
-        Bounds others = above(scene, axis, all.lo[axis] + thickness * size, much_smaller * size);
-        const float rest = diagonal(others);
-        if (!(rest > 0.f && rest <= much_smaller * size)) continue;
-        others.lo[axis] = std::max(all.lo[axis], others.lo[axis] - rest);
-        return others;
-    }
-    return {};
-}
-
-glm::dvec3 corner(const Bounds& bounds, int index) {
-    const auto side = [&](int axis) { return double((index >> axis & 1 ? bounds.hi : bounds.lo)[axis]); };
-    return {side(0), side(1), side(2)};
-}
 
 }  // namespace
 
@@ -139,18 +89,13 @@ Camera automatic_camera(const Scene& scene, float vertical_fov, float aspect) {
     const glm::dvec3 right = glm::normalize(glm::cross(glm::dvec3(camera.up), back)), up = glm::cross(back, right);
     const double slope_up = share * std::tan(0.5 * glm::radians(double(vertical_fov))), slope_right = slope_up * aspect;
     Span across, upwards;
-    const auto show = [&](const glm::dvec3& point, double radius) {
+    visit_points(scene, [&](const glm::dvec3& point, double radius) {
         const glm::dvec3 p = point - center;
         const double x = glm::dot(p, right), y = glm::dot(p, up), z = glm::dot(p, back);
         if (!std::isfinite(x + y + z + radius)) return;
         across.grow(x, z, radius, slope_right);
         upwards.grow(y, z, radius, slope_up);
-    };
-    const Bounds on_floor = on_large_floor(scene, bounds);
-    if (on_floor.empty())
-        visit_points(scene, show);
-    else
-        for (int i = 0; i < 8; ++i) show(corner(on_floor, i), 0.0);
+    });
     const double distance = std::max(across.distance(slope_right), upwards.distance(slope_up));
     if (!(distance > 0)) return camera;
     const glm::dvec3 target = center + across.middle() * right + upwards.middle() * up;
