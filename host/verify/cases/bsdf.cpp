@@ -53,6 +53,10 @@ Material only_highlight(float roughness) {
     m.albedo = glm::vec3(0.f), m.specular = glm::vec3(1.f);
     return m;
 }
+Material with_coat(Material m, float roughness) {
+    m.clearcoat = 1.f, m.clearcoat_roughness = roughness;
+    return m;
+}
 /// Metal under a coat; its own roughness and the coat's differ.
 Material coated_metal(float roughness) {
     Material m = white(MaterialKind::principled, roughness);
@@ -64,11 +68,7 @@ Material under_rough_coat(float roughness) {
     m.clearcoat_roughness = roughness;
     return m;
 }
-Material coated_plastic(float roughness) {
-    Material m = plastic(roughness);
-    m.clearcoat = 1.f, m.clearcoat_roughness = 0.1f;
-    return m;
-}
+Material coated_plastic(float roughness) { return with_coat(plastic(roughness), 0.1f); }
 Material mixture(float roughness) {
     Material m = white(MaterialKind::principled, roughness, 1.4f);
     m.metallic = 0.4f, m.clearcoat = 0.6f, m.clearcoat_roughness = 0.2f, m.transmission = 0.5f;
@@ -144,22 +144,10 @@ Material coated_diffuse(float roughness) {
     m.specular_weight = 0.f, m.clearcoat = 1.f, m.clearcoat_roughness = roughness;
     return m;
 }
-Material coated_film(float roughness) {
-    Material m = film_on_plastic(roughness);
-    m.clearcoat = 1.f, m.clearcoat_roughness = 0.2f;
-    return m;
-}
+Material coated_film(float roughness) { return with_coat(film_on_plastic(roughness), 0.2f); }
 /// A separate coat over a cloth, and over a brushed metal.
-Material coated_cloth(float roughness) {
-    Material m = cloth(0.5f);
-    m.clearcoat = 1.f, m.clearcoat_roughness = roughness;
-    return m;
-}
-Material coated_brushed_metal(float roughness) {
-    Material m = brushed_metal(roughness);
-    m.clearcoat = 1.f, m.clearcoat_roughness = 0.3f;
-    return m;
-}
+Material coated_cloth(float roughness) { return with_coat(cloth(0.5f), roughness); }
+Material coated_brushed_metal(float roughness) { return with_coat(brushed_metal(roughness), 0.3f); }
 
 Material sheen_on_wall(float roughness) {
     Material m = sheen_on_plastic(roughness);
@@ -176,16 +164,8 @@ Material sheen_on_glass(float roughness) {
     m.transmission = 1.f;
     return m;
 }
-Material coated_sheen_on_metal(float roughness) {
-    Material m = sheen_on_metal(roughness);
-    m.clearcoat = 1.f, m.clearcoat_roughness = 0.3f;
-    return m;
-}
-Material coated_film_on_glass(float roughness) {
-    Material m = film_on_glass(roughness);
-    m.clearcoat = 1.f, m.clearcoat_roughness = 0.3f;
-    return m;
-}
+Material coated_sheen_on_metal(float roughness) { return with_coat(sheen_on_metal(roughness), 0.3f); }
+Material coated_film_on_glass(float roughness) { return with_coat(film_on_glass(roughness), 0.3f); }
 Material brushed_film(float roughness) {
     Material m = film_on_plastic(roughness);
     m.anisotropy = 0.4f, m.film_thickness.y = 250.f;

@@ -66,10 +66,14 @@ CLARAY_SHARED_FUNCTION ProjectionPlace place_orthographic(ProjectionReal right, 
     return place;
 }
 
+#ifdef __OPENCL_C_VERSION__
 #ifndef PROJECTIONS
-#define PROJECTIONS 0xffffffffu  // kernels: the projections that a scene calls for, beside perspective
+#define PROJECTIONS 0xffffffffu  // the projections that a scene calls for, beside perspective
 #endif
-#define CLARAY_USES_PROJECTION(NAME) (CLARAY_##NAME == 0u || (PROJECTIONS >> CLARAY_##NAME & 1u) != 0u)
+#define CLARAY_USES_PROJECTION(NAME) (PROJECTIONS >> CLARAY_##NAME & 1u)
+#else
+#define CLARAY_USES_PROJECTION(NAME) true
+#endif
 
 CLARAY_SHARED_FUNCTION ProjectionRay aim_ray(uint projection, ProjectionReal x, ProjectionReal y) {
 #define CLARAY_AIM(name, NAME, text, flat, parallel, stretch) \
