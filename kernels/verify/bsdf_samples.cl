@@ -4,12 +4,12 @@
 /// A sample, and if asked for eval_bsdf of its direction.
 typedef struct Sampled { float x, y, z, weight, pdf, eval_value, eval_pdf; uint valid; } Sampled;
 
-static CLARAY_OUTLINED Sampled draw(MATERIAL, float3 outgoing, uint i, bool evaluates) {
+static CLARAY_OUTLINED Sampled draw(MATERIAL, float3 outgoing, uint i, uint seed, bool evaluates) {
     const BsdfView view = upright_view(tables, outgoing, inside);
     resolve_principled(&material, 0.0f);
     BsdfSample s;
     Sampled r = {0, 0, 0, 0, 0, 0, 0, 0};
-    r.valid = sample_bsdf(&material, &view, three(i, 4321u), &s);
+    r.valid = sample_bsdf(&material, &view, three(i, seed), &s);
     if (r.valid) {
         r.x = s.incoming.x, r.y = s.incoming.y, r.z = s.incoming.z;
         r.weight = s.weight.x, r.pdf = s.pdf;
@@ -18,9 +18,9 @@ static CLARAY_OUTLINED Sampled draw(MATERIAL, float3 outgoing, uint i, bool eval
     return r;
 }
 
-kernel void sample(MATERIAL, float ox, float oy, float oz, uint count, uint evaluates, global Sampled* out) {
+kernel void sample(MATERIAL, float ox, float oy, float oz, uint count, uint seed, uint evaluates, global Sampled* out) {
     const uint i = get_global_id(0);
-    if (i < count) out[i] = draw(material, tables, inside, (float3)(ox, oy, oz), i, evaluates != 0u);
+    if (i < count) out[i] = draw(material, tables, inside, (float3)(ox, oy, oz), i, seed, evaluates != 0u);
 }
 
 static CLARAY_OUTLINED float evaluate(MATERIAL, float3 outgoing, float3 incoming, float* pdf) {

@@ -100,6 +100,26 @@ TEST(Rng, PairsAreUniformOverPixels) {
     }
 }
 
+/// Chi-squared over a grid of 16 x 16 x 16 cells, within one sequence. A draw is three numbers of two dimensions.
+TEST(Rng, IndependentNumbersOfTwoDimensionsFillACube) {
+    constexpr double cells = 16 * 16 * 16, draws_per_cell = 256;
+    for (std::uint32_t seed = 1; seed <= 12; ++seed) {
+        std::vector<double> counts[2] = {std::vector<double>(cells), std::vector<double>(cells)};
+        for (std::uint32_t i = 0; i < std::uint32_t(cells * draws_per_cell); ++i) {
+            const SamplePair a = sample_pair(CLARAY_INDEPENDENT, seed, i, 0),
+                             b = sample_pair(CLARAY_INDEPENDENT, seed, i, 1);
+            ++counts[0][256 * (a.x >> 28) + 16 * (a.y >> 28) + (b.x >> 28)];
+            ++counts[1][256 * (a.x >> 28) + 16 * (b.x >> 28) + (b.y >> 28)];
+        }
+        for (const std::vector<double>& of_cells : counts) {
+            double chi2 = 0;
+            for (const double count : of_cells)
+                chi2 += (count - draws_per_cell) * (count - draws_per_cell) / draws_per_cell;
+            EXPECT_LT(std::abs(chi2 - cells), 5 * std::sqrt(2 * cells)) << "seed " << seed;
+        }
+    }
+}
+
 TEST(Rng, UnitFloatsAreBelowOne) {
     EXPECT_EQ(unit_float(0), 0.f);
     EXPECT_LT(unit_float(0xffffffffu), 1.f);

@@ -7,9 +7,10 @@
 
 namespace claray::verify {
 
-std::vector<Sampled> TestedMaterial::draw(const glm::vec3& o, std::uint32_t count, bool evaluates) const {
+std::vector<Sampled> TestedMaterial::draw(const glm::vec3& o, std::uint32_t count, std::uint32_t seed,
+                                          bool evaluates) const {
     const Buffer<Sampled> out(device_, count);
-    run("bsdf_samples", "sample", count, o.x, o.y, o.z, count, std::uint32_t(evaluates), out);
+    run("bsdf_samples", "sample", count, o.x, o.y, o.z, count, seed, std::uint32_t(evaluates), out);
     return out.read();
 }
 
@@ -362,12 +363,12 @@ using Grids = std::vector<std::unique_ptr<Grid>>;
 
 /// The probability that a sampler with the claimed density deviates by more. Invalid samples and those of delta
 /// functions are in no cell.
-Agreement agreement(const TestedMaterial& material, const glm::vec3& outgoing, const Grids& grids,
-                    std::uint32_t count) {
+Agreement agreement(const TestedMaterial& material, const glm::vec3& outgoing, const Grids& grids, std::uint32_t count,
+                    std::uint32_t seed) {
     std::vector<std::vector<double>> observed;
     for (const auto& grid : grids) observed.emplace_back(grid->size());
     double valid = 0;
-    for (const Sampled& s : material.draw(outgoing, count, false)) {
+    for (const Sampled& s : material.draw(outgoing, count, seed, false)) {
         if (!s.valid || s.pdf == 0) continue;
         ++valid;
         for (std::size_t g = 0; g < grids.size(); ++g)
@@ -433,9 +434,9 @@ TestedMaterial tested(const Device& device, const Kind& kind, float roughness) {
 }
 
 Agreement agreement_of_samples(const Device& device, const Kind& kind, float roughness, const glm::vec3& outgoing,
-                               std::uint32_t samples) {
+                               std::uint32_t samples, std::uint32_t seed) {
     return agreement(tested(device, kind, roughness), outgoing, grids_for(kind.make(roughness), kind.inside, outgoing),
-                     samples);
+                     samples, seed);
 }
 
 /// Fresnel's equations in float64 complex arithmetic, which needs no case for total reflection.

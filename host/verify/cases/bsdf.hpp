@@ -34,7 +34,7 @@ public:
             .run({items, 64}, data_, arg("tables", buffer_), std::uint32_t(inside_), args...);
     }
     /// Samples of one outgoing direction; with eval_bsdf of each if `evaluates`.
-    [[nodiscard]] std::vector<Sampled> draw(const glm::vec3& outgoing, std::uint32_t count,
+    [[nodiscard]] std::vector<Sampled> draw(const glm::vec3& outgoing, std::uint32_t count, std::uint32_t seed = 1,
                                             bool evaluates = true) const;
     struct Evaluated {
         std::vector<float> values, pdfs;
@@ -81,7 +81,7 @@ struct Agreement {
     double excess = 0;  ///< of the density's integral over the share of samples that have one
 };
 [[nodiscard]] Agreement agreement_of_samples(const Device& device, const Kind& kind, float roughness,
-                                             const glm::vec3& outgoing, std::uint32_t samples);
+                                             const glm::vec3& outgoing, std::uint32_t samples, std::uint32_t seed = 1);
 
 /// The chance that chi-squared with so many degrees of freedom is larger (Wilson and Hilferty 1931).
 [[nodiscard]] double chance_of_chi_squared(double chi2, double degrees);

@@ -184,7 +184,8 @@ void bsdf_sampling(Run& run) {
         if (kind.mixed) continue;
         for (const float r : roughness)
             for (const double angle : angles) {
-                const Agreement a = agreement_of_samples(run.device(), kind, r, at_angle(angle), samples);
+                const Agreement a =
+                    agreement_of_samples(run.device(), kind, r, at_angle(angle), samples, std::uint32_t(run.seed()));
                 if (!(a.chance >= least))
                     least = a.chance, worst = named(kind, r) + " at angle " + std::to_string(angle);
                 excess = std::max(excess, a.excess), ++tests;

@@ -71,22 +71,14 @@ CLARAY_SHARED_FUNCTION CLARAY_PAIR CLARAY_OF_WORD(sobol_pair)(CLARAY_WORD index,
     return pair;
 }
 
-/// Independent numbers from a counter (pcg2d of Jarzynski and Olano 2020, "Hash functions for GPU rendering").
+/// Independent numbers from a counter: hashes of it, keyed by the seed, and of each other. A cheaper generator, pcg2d
+/// (Jarzynski and Olano 2020), is not enough: three numbers of two dimensions filled a cube unevenly.
 CLARAY_SHARED_FUNCTION CLARAY_PAIR CLARAY_OF_WORD(independent_pair)(CLARAY_WORD index, CLARAY_WORD seed) {
     CLARAY_PAIR pair;
-    pair.x = index * 1664525u + 1013904223u;
-    pair.y = seed * 1664525u + 1013904223u;
-    pair.x += pair.y * 1664525u;
-    pair.y += pair.x * 1664525u;
-    pair.x ^= pair.x >> 16;
-    pair.y ^= pair.y >> 16;
-    pair.x += pair.y * 1664525u;
-    pair.y += pair.x * 1664525u;
-    pair.x ^= pair.x >> 16;
-    pair.y ^= pair.y >> 16;
+    pair.x = CLARAY_OF_WORD(hash_word)(CLARAY_OF_WORD(hash_word)(index) ^ seed);  // mutant: independent-numbers
+    pair.y = CLARAY_OF_WORD(hash_word)(pair.x ^ CLARAY_OF_WORD(hash_word)(seed ^ 0x68bc21ebu));
     return pair;
 }
-
 /// Returns the pair of numbers that sample `sample` of a pixel uses for `dimension`. The samples of even and of odd
 /// number are the halves of sobol_pair in every dimension: the difference of their means estimates the error
 /// (docs/accuracy.md).
