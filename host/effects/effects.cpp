@@ -160,6 +160,18 @@ EffectOverrides parse_effect_overrides(const std::string& text) {
     return overrides;
 }
 
+std::size_t number_of(EffectSet effects) {
+    const std::span<const Effect> all = all_effects();
+    return std::size_t(std::count_if(all.begin(), all.end(), [&](Effect effect) { return effects.has(effect); }));
+}
+
+EffectSet of_stage(EffectSet effects, Stage stage) {
+    EffectSet found;
+    for (const Effect effect : all_effects())
+        if (effects.has(effect) && concerns(effect, stage)) found.add(effect);
+    return found;
+}
+
 bool concerns(Effect effect, Stage stage) {
     const EffectRow* row = row_of(effect);
     return row && (row->stages & unsigned(stage)) != 0;

@@ -5,6 +5,8 @@
 // do in scenes without the effect (an absent buffer is null, a count is 0): kernels may know more than the scene needs.
 #pragma once
 
+#include <optional>
+
 #include "claray/effects.hpp"
 #include "claray/program.hpp"
 
@@ -18,13 +20,32 @@ enum class Stage : unsigned {
     aovs = 8       // render/write_aovs.cl
 };
 
+[[nodiscard]] std::size_t number_of(EffectSet effects);
 /// All macros of a stage; 0 if the effect is not in the set.
 [[nodiscard]] Defines defines_of(EffectSet effects, Stage stage);
 /// The effect of a material's kind, without its other effects.
 [[nodiscard]] Effect effect_of(MaterialKind kind);
+/// The effects for which that stage's kernels contain code.
+[[nodiscard]] EffectSet of_stage(EffectSet effects, Stage stage);
 /// Whether that stage's kernels contain code for the effect.
 [[nodiscard]] bool concerns(Effect effect, Stage stage);
 
+/// The effects of a material's BSDF.
+[[nodiscard]] EffectSet effects_of_bsdf(const Material& material);
+/// The sets of these effects that the scene's materials have: the shaders, each for a kernel of its own. At most
+/// CLARAY_MOST_SHADERS; the most similar ones are joined.
+[[nodiscard]] std::vector<EffectSet> shaders_of(const Scene& scene);
+/// The number of the first shader with all effects of the material's BSDF, or nothing.
+[[nodiscard]] std::optional<std::uint32_t> shader_of(const Material& material, const std::vector<EffectSet>& shaders);
+
+/// Effects that only the BSDFs of single materials need.
+inline constexpr EffectSet bsdf_effects = {Effect::transmission,    Effect::rough_glass, Effect::clearcoat,
+                                           Effect::layered_coat,    Effect::specular,    Effect::iridescence,
+                                           Effect::anisotropy,      Effect::sheen,
+#define CLARAY_ROW(name, NAME, text, transmits, lobes, rough) Effect::name,
+                                           CLARAY_BSDFS(CLARAY_ROW)
+#undef CLARAY_ROW
+};
 /// Effects that need shadow rays.
 inline constexpr EffectSet sampled_lights = {
 #define CLARAY_ROW(name, NAME, text, far, cone) Effect::name##_lights,

@@ -10,6 +10,7 @@
 #include "host/lights/lights.hpp"
 #include "host/scene/placement.hpp"
 #include "host/textures/cutouts.hpp"
+#include "host/textures/texture_use.hpp"
 #include "host/textures/textures.hpp"
 
 namespace claray {
@@ -47,7 +48,7 @@ public:
             if (!scene_.meshes[i].normals.empty()) call_(Effect::smooth_normals, "mesh", scene_.meshes[i].name, i);
         for (std::size_t i = 0; i < scene_.meshes.size(); ++i)
             if (has_colors(scene_.meshes[i])) call_(Effect::vertex_colors, "mesh", scene_.meshes[i].name, i);
-        const std::vector<bool> used = used_materials(), cut_outs = find_cut_outs(scene_, used);
+        const std::vector<bool> used = used_materials(scene_), cut_outs = find_cut_outs(scene_, used);
         for (std::size_t i = 0; i < scene_.materials.size(); ++i) {
             if (used[i]) visit(scene_.materials[i], i);
             if (cut_outs[i]) call_(Effect::cut_outs, "material", scene_.materials[i].name, i);
@@ -72,21 +73,6 @@ public:
     }
 
 private:
-    [[nodiscard]] std::vector<bool> used_materials() const {
-        std::vector<bool> used(scene_.materials.size());
-        for (const Mesh& mesh : scene_.meshes) {
-            if (mesh.materials.empty() && !mesh.triangles.empty() && !used.empty()) used[0] = true;
-            for (const std::uint32_t material : mesh.materials)
-                if (material < used.size()) used[material] = true;
-        }
-        for (const PrimitiveSet& set : scene_.primitives) {
-            if (set.materials.empty() && primitive_count(set) > 0 && !used.empty()) used[0] = true;
-            for (const std::uint32_t material : set.materials)
-                if (material < used.size()) used[material] = true;
-        }
-        return used;
-    }
-
     void visit(const Light& light, std::size_t index) {
         call_(effect_of(light.kind), "light", light.name, index);
         if (has_falloff(light)) call_(Effect::light_falloff, "light", light.name, index);
@@ -97,22 +83,11 @@ private:
         const auto call = [&](Effect effect, bool wanted) {
             if (wanted) call_(effect, "material", m.name, index);
         };
-        call(effect_of(m), true);
+        const EffectSet of_bsdf = effects_of_bsdf(m);
+        for (const Effect effect : all_effects()) call(effect, of_bsdf.has(effect));
         call(Effect::emissive_triangles, is_lit(m.emission));
-        const bool principled = kind_of(m) == MaterialKind::principled;
-        call(Effect::metal, principled && m.metallic > 0);
-        call(Effect::transmission, principled && m.transmission > 0 && !m.thin_walled);
-        call(Effect::thin_walls, principled && has_thin_walls(m));
-        call(Effect::rough_glass, has_rough_glass(m));
-        call(Effect::clearcoat, has_clearcoat(m));
-        call(Effect::coated_metal, has_coated_metal(m));
-        call(Effect::layered_coat, has_layered_coat(m));
-        call(Effect::specular, has_specular_layer(m));
-        call(Effect::iridescence, has_film(m));
-        call(Effect::anisotropy, is_anisotropic(m));
-        call(Effect::textures, is_anisotropic(m));  // its direction follows texture coordinates
-        call(Effect::sheen, has_sheen(m));
         call(Effect::absorption, absorbs_inside(m));
+        call(Effect::textures, is_anisotropic(m));  // its direction follows texture coordinates
         call(Effect::culling, m.cull_back);
         visit_textures(m);
         const auto call_map = [&](Effect effect, const TextureUse& use) {
@@ -198,6 +173,26 @@ Effect effect_of(MaterialKind kind) {
 #undef CLARAY_ROW
     }
     return Effect::lambert;
+}
+
+EffectSet effects_of_bsdf(const Material& m) {
+    EffectSet effects{effect_of(m)};
+    const auto call = [&](Effect effect, bool wanted) {
+        if (wanted) effects.add(effect);
+    };
+    const bool principled = kind_of(m) == MaterialKind::principled;
+    call(Effect::metal, principled && m.metallic > 0);
+    call(Effect::transmission, principled && m.transmission > 0 && !m.thin_walled);
+    call(Effect::thin_walls, principled && has_thin_walls(m));
+    call(Effect::rough_glass, has_rough_glass(m));
+    call(Effect::clearcoat, has_clearcoat(m));
+    call(Effect::coated_metal, has_coated_metal(m));
+    call(Effect::layered_coat, has_layered_coat(m));
+    call(Effect::specular, has_specular_layer(m));
+    call(Effect::iridescence, has_film(m));
+    call(Effect::anisotropy, is_anisotropic(m));
+    call(Effect::sheen, has_sheen(m));
+    return effects & known_effects();
 }
 
 std::vector<EffectCause> causes_of_effects(const Scene& scene) {

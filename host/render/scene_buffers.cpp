@@ -78,7 +78,10 @@ SceneBuffers::TableWriter SceneBuffers::tables_of_meshes(const Scene& scene) {
 SceneBuffers::TableWriter SceneBuffers::tables_of_materials(const Scene& scene) {
     const EnergyTables energy(materials_in_use(scene));
     std::vector<MaterialData> materials;
-    for (const Material& material : scene.materials) materials.push_back(material_data(material, energy));
+    for (const Material& material : scene.materials) {
+        materials.push_back(material_data(material, energy));
+        materials.back().shader = shader_of(material, shaders).value_or(0);  // 0: not used
+    }
     std::vector<MediumData> media;
     for (const std::uint32_t medium : media_) {
         MaterialData& m = materials[medium];
@@ -111,6 +114,7 @@ SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Struc
                            std::uint32_t guide)
     : structure(with),
       effects(effects_of(scene)),
+      shaders(shaders_of(scene)),
       media_(nested_media(scene)),
       on_host_(std::make_shared<Lights>(collect_lights(scene, selection))) {
     textures = Textures(device, scene, !(added & EffectSet{Effect::cut_outs, Effect::culling}).empty());
@@ -159,6 +163,9 @@ void SceneBuffers::replace_lights(const Scene& scene) {
 }
 
 void SceneBuffers::replace_materials(const Scene& scene) {
+    const std::vector<bool> used = used_materials(scene);
+    for (std::size_t i = 0; i < used.size(); ++i)
+        if (used[i] && !shader_of(scene.materials[i], shaders)) shaders = shaders_of(scene);
     replace(tables_of_materials(scene), of_materials_);
     replace_triangle_lights(scene, *on_host_);
     replace(tables_of_lights(), of_lights_);

@@ -35,8 +35,9 @@ struct SceneBuffers {
     Buffer<std::uint32_t> tables;  // all in one buffer, so that kernels have few arguments
     SceneTables where{};           // offsets in `tables`
     Textures textures;
-    LightsData lights{};  // see has_lights
-    EffectSet effects;    // of the scene
+    LightsData lights{};             // see has_lights
+    EffectSet effects;               // of the scene
+    std::vector<EffectSet> shaders;  // see shaders_of; kept while they are enough for changed materials
 
     /// Of the scene, as LightsData takes it.
     [[nodiscard]] double radius() const { return on_host_->radius; }

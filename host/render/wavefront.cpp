@@ -28,10 +28,11 @@ constexpr std::uint64_t bytes_per_path =
     sizeof(LightSample) + sizeof(std::uint8_t) + 3 * sizeof(float);
 
 /// At most a 16th of the device's memory, and no buffer larger than it allows.
-std::uint32_t choose_capacity(const Device& device, std::uint64_t most_paths, bool guided) {
+std::uint32_t choose_capacity(const Device& device, std::uint64_t most_paths, bool guided, std::size_t lists) {
     const std::uint64_t lessons = guided ? 3 * CLARAY_GUIDE_LESSONS * sizeof(float) : 0;
     const std::uint64_t tuned = std::max(1u, device.tuning("render/wavefront", "PATHS"));
-    const std::uint64_t memory = device.info().memory / share_of_wavefront / (bytes_per_path + lessons);
+    const std::uint64_t memory =
+        device.info().memory / share_of_wavefront / (bytes_per_path + lists * sizeof(std::uint32_t) + lessons);
     const std::uint64_t allocation = device.info().max_allocation / (sizeof(Ray) + lessons);
     return std::uint32_t(std::max<std::uint64_t>(1, std::min({tuned, most_paths, memory, allocation})));
 }
@@ -79,6 +80,16 @@ bool may_shade_sixteen(EffectSet effects) {
     return effects.has(Effect::lambert) && (effects & one_by_one).empty();
 }
 
+/// Whether each kind of material gets a kernel of its own: their compile times add up instead of multiplying, they are
+/// compiled side by side, and work-items that run together shade the same kind (Laine, Karras and Aila 2013). Generic
+/// kernels are for scenes that are not known yet.
+bool pays_to_split(const Device& device, const SceneBuffers& scene, EffectSet effects) {
+    const unsigned from = device.tuning("render/shade_surface", "SPLIT_FROM");
+    EffectSet needed;
+    for (const EffectSet shader : scene.shaders) needed = needed | shader;
+    return from > 0 && scene.shaders.size() > 1 && (effects & bsdf_effects) == needed && number_of(needed) >= from;
+}
+
 std::uint64_t with_light_grid(std::uint64_t most_paths, const WavefrontKernels& kernels) {
     return kernels.light_grid ? std::max<std::uint64_t>(most_paths, light_grid_paths) : most_paths;
 }
@@ -101,29 +112,44 @@ WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, E
     QueryOptions coherent, incoherent, shadow;
     coherent.coherence = Coherence::coherent, incoherent.coherence = Coherence::incoherent;
     coherent.cull_back_faces = incoherent.cull_back_faces = shadow.cull_back_faces = scene.textures.culls_back_faces;
-    Defines shading = defines(Stage::shade);
+    Defines extra;  // of shading
     const bool baking = task == PathTask::bake;
-    if (baking) shading.emplace_back("BAKE", "1");
+    const auto shading = [&](EffectSet with) {
+        Defines all = defines_for(scene, sampler, with, Stage::shade);
+        append(all, extra);
+        return all;
+    };
+    if (baking) extra.emplace_back("BAKE", "1");
     if (task == PathTask::light_grid) {
-        shading.emplace_back("LIGHT_GRID", "1");
-        light_grid.emplace(device, defines(Stage::generate), shading);
+        extra.emplace_back("LIGHT_GRID", "1");
+        light_grid.emplace(device, defines(Stage::generate), shading(effects));
     }
-    if (scene.where.guide != CLARAY_NO_TABLE) shading.emplace_back("PATH_GUIDE", "1");
-    append(shading, defines_of(approximate));
+    if (scene.where.guide != CLARAY_NO_TABLE) extra.emplace_back("PATH_GUIDE", "1");
+    append(extra, defines_of(approximate));
     // On CPUs the binary tree is used for a quick start, when long compilation does not pay.
     const Structure& structure = scene.structure;
-    if (structure.is_one_binary_tree() && may_shade_sixteen(effects)) shading.emplace_back("SIXTEEN", "0");
+    if (structure.is_one_binary_tree() && may_shade_sixteen(effects)) extra.emplace_back("SIXTEEN", "0");
     generate = baking ? load_kernel(device, "render/generate_texels.cl", "generate_texels")
                       : load_kernel(device, "render/generate_rays.cl", "generate_rays", defines(Stage::generate));
     trace_camera = SceneQuery(scene.structure, QueryKernel::Kind::closest, coherent, trace_camera_name);
     empty_queues = load_kernel(device, "render/empty_queues.cl", "empty_queues");
     if (task == PathTask::sum_tiles) {
-        append(shading, macros_of_shading(device));
-        tile_sum.emplace(scene, shading, approximate.flat || approximate.gouraud);
+        append(extra, macros_of_shading(device));
+        tile_sum.emplace(scene, shading(effects), approximate.flat || approximate.gouraud);
         return;
     }
     trace_bounce = SceneQuery(scene.structure, QueryKernel::Kind::closest, incoherent, trace_bounce_name);
-    shade = load_kernel(device, "render/shade_surface.cl", "shade_surface", shading);
+    const auto load_shader = [&](EffectSet with) {
+        shade.push_back(load_kernel(device, "render/shade_surface.cl", "shade_surface", shading(with)));
+    };
+    if (pays_to_split(device, scene, effects)) {
+        shaders = scene.shaders;
+        sort = load_kernel(device, "render/sort_hits.cl", "sort_hits", structure.defines());
+        extra.emplace_back("SORTED", "1");
+        for (const EffectSet shader : shaders) load_shader((effects - bsdf_effects) | shader);
+    } else {
+        load_shader(effects);
+    }
     traces_shadows = has_lights(scene.lights);
     if (!traces_shadows) return;
     adds_light =
@@ -148,10 +174,7 @@ SkyData sky_data(const Scene& scene) {
 bool may_follow_paths(const SceneBuffers& scene, EffectSet effects) {
     const Structure& structure = scene.structure;
     if (!structure.is_one_binary_tree()) return false;
-    const std::span<const Effect> all = all_effects();
-    const auto shaded =
-        std::count_if(all.begin(), all.end(), [&](Effect e) { return effects.has(e) && concerns(e, Stage::shade); });
-    return shaded <= std::ptrdiff_t(structure.device().tuning(path_kernel_stem, "MOST_EFFECTS"));
+    return number_of(of_stage(effects, Stage::shade)) <= structure.device().tuning(path_kernel_stem, "MOST_EFFECTS");
 }
 
 double path_kernel_patience(const Device& device) {
@@ -185,10 +208,11 @@ Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const Fram
       paths_per_item_(paths_per_item(device)),
       most_whole_paths_(most_whole_paths(device)),
       most_last_paths_(most_last_paths(device)),
-      capacity_(choose_capacity(device, with_light_grid(most_paths, kernels), scene.where.guide != CLARAY_NO_TABLE)),
+      capacity_(choose_capacity(device, with_light_grid(most_paths, kernels), scene.where.guide != CLARAY_NO_TABLE,
+                                kernels.shaders.size())),
       kernels_(std::move(kernels)) {
     frame_.tables = scene.where;
-    queue_lengths_ = Buffer<QueueLength>(device, std::vector<QueueLength>(CLARAY_RAY_QUEUES + CLARAY_SHADOW_QUEUES));
+    queue_lengths_ = Buffer<QueueLength>(device, std::vector<QueueLength>(CLARAY_QUEUE_LENGTHS));
     std::size_t at = 0;
     for (auto& length : lengths_) length = Buffer<std::uint32_t>(queue_lengths_, sizeof(QueueLength) * at++, 1);
     for (auto& length : shadow_lengths_) length = Buffer<std::uint32_t>(queue_lengths_, sizeof(QueueLength) * at++, 1);
@@ -213,7 +237,8 @@ void Wavefront::make_room(std::uint32_t paths) {
     // Kernels for more effects than the scene's also write cones and media.
     const std::size_t words = moves ? CLARAY_QUEUE_WORDS : CLARAY_QUEUE_TIMES;
     for (int i = 0; i < 2; ++i) queues_[i] = {}, rays_[i] = {}, states_[i] = {}, times_[i] = {};
-    hits_ = {}, radiance_ = {};
+    hits_ = {}, radiance_ = {}, sorted_ = {};
+    if (kernels_.sort) sorted_ = Buffer<std::uint32_t>(device_, room * kernels_.shaders.size());
     shadow_queue_ = {}, shadow_rays_ = {}, shadow_light_ = {}, occluded_ = {}, shadow_times_ = {};
     for (int i = 0; i < 2; ++i) {
         queues_[i] = Buffer<RayQueue>(device_, words * room);
@@ -244,11 +269,13 @@ Step Wavefront::step_of(const Batch& batch, std::uint32_t depth, std::uint32_t l
 
 void Wavefront::resize(std::uint32_t width, std::uint32_t height, std::uint64_t most_paths) {
     frame_.width = width, frame_.height = height;
-    capacity_ = choose_capacity(device_, with_light_grid(most_paths, kernels_), scene_.where.guide != CLARAY_NO_TABLE);
+    capacity_ = choose_capacity(device_, with_light_grid(most_paths, kernels_), scene_.where.guide != CLARAY_NO_TABLE,
+                                kernels_.shaders.size());
 }
 
 void Wavefront::take_over(const Structure& structure, WavefrontKernels kernels) {
     scene_.structure = structure;
+    if (kernels.shaders.size() > kernels_.shaders.size()) rays_[0] = rays_[1] = {};  // room for the lists
     kernels_ = std::move(kernels);
     path_kernel_.reset(), finish_kernel_.reset();
 }
@@ -423,8 +450,13 @@ void Wavefront::scatter(const Batch& batch, std::uint32_t depth, std::uint32_t l
     const std::uint32_t items = (limit + paths_per_item_ - 1) / paths_per_item_;
     Step step = step_of(batch, depth, limit);
     if (always) step.waves = ~std::uint32_t(0);
-    kernels_.shade.run({items, shade_group_}, step, scene_, queue_lengths_, totals_, arg("queue", queues_[in]), hits_,
-                       arg("next_queue", queues_[out]), shadow_queue_, arg("radiance", radiance_));
+    const auto shade = [&](Kernel& kernel, const auto&... which) {
+        kernel.run({items, shade_group_}, step, scene_, queue_lengths_, totals_, arg("queue", queues_[in]), hits_,
+                   arg("next_queue", queues_[out]), shadow_queue_, arg("radiance", radiance_), which...);
+    };
+    if (!kernels_.sort) return shade(kernels_.shade[0]);
+    kernels_.sort->run({limit, 64}, step, scene_, queue_lengths_, hits_, arg("sorted", sorted_));
+    for (std::uint32_t i = 0; i < kernels_.shade.size(); ++i) shade(kernels_.shade[i], arg("sorted", sorted_), i);
 }
 
 void Wavefront::look_for_light(std::uint32_t depth, std::uint32_t limit) {
@@ -527,8 +559,9 @@ void Wavefront::reset_totals() {
 }
 
 std::uint64_t Wavefront::bytes() const {
-    return buffer_bytes(queues_[0], queues_[1], shadow_queue_, hits_, occluded_, radiance_, queue_lengths_, totals_,
-                        totals_in_paths_, kernels_.trace_camera, kernels_.trace_bounce, kernels_.trace_shadow) +
+    return buffer_bytes(queues_[0], queues_[1], shadow_queue_, hits_, occluded_, radiance_, queue_lengths_, sorted_,
+                        totals_, totals_in_paths_, kernels_.trace_camera, kernels_.trace_bounce,
+                        kernels_.trace_shadow) +
            (kernels_.tile_sum ? kernels_.tile_sum->bytes() : 0);
 }
 

@@ -53,9 +53,12 @@ struct WavefrontKernels {
                      const Approximations& approximate = {});
 
     EffectSet effects;
-    Kernel generate, shade, empty_queues;
-    Kernel add_light;         // unless shadow rays add their light
-    bool adds_light = false;  // shadow rays add their light
+    Kernel generate, empty_queues;
+    std::vector<Kernel> shade;       // one for all surfaces, or one for each of `shaders`
+    std::vector<EffectSet> shaders;  // of the scene, if each has a kernel
+    std::optional<Kernel> sort;      // sorts hits by shader, if there are several
+    Kernel add_light;                // unless shadow rays add their light
+    bool adds_light = false;         // shadow rays add their light
     bool traces_shadows = false;
     bool casts_shadows = true;  // false: Approximations::no_shadows
     SceneQuery trace_camera, trace_bounce, trace_shadow;
@@ -101,7 +104,8 @@ public:
     [[nodiscard]] EffectSet kernel_effects() const { return kernels_.effects; }
     /// Returns whether the kernels support these effects and, if the scene is `lit`, shadow rays.
     [[nodiscard]] bool supports(EffectSet effects, bool lit) const {
-        return kernels_.effects.contains(effects) && (!lit || kernels_.traces_shadows || kernels_.tile_sum);
+        return kernels_.effects.contains(effects) && (!lit || kernels_.traces_shadows || kernels_.tile_sum) &&
+               (kernels_.shaders.empty() || kernels_.shaders == scene_.shaders);
     }
     /// Makes one kernel follow the last paths of a batch to their ends, until `take_over`. The radiance is the same bit
     /// for bit.
@@ -195,7 +199,8 @@ private:
     Buffer<std::uint32_t> shadow_lengths_[CLARAY_SHADOW_QUEUES];  // by depth
     SceneHits hits_;
     Buffer<std::uint8_t> occluded_;
-    Buffer<float> radiance_;  // of each path; with a light tree followed by the normals at the paths' surfaces
+    Buffer<std::uint32_t> sorted_;  // numbers of rays, for each shader
+    Buffer<float> radiance_;        // of each path; with a light tree followed by the normals at the paths' surfaces
     Buffer<std::uint64_t> totals_, totals_in_paths_;  // see empty_queues.cl; that of whole paths is without camera rays
     WavefrontKernels kernels_;
     std::optional<Kernel> path_kernel_, finish_kernel_;

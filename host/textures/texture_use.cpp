@@ -27,14 +27,13 @@ const Texture& checked_texture(const Scene& scene, std::uint32_t index) {
 
 std::vector<bool> used_materials(const Scene& scene) {
     std::vector<bool> used(scene.materials.size());
-    for (const Mesh& mesh : scene.meshes) {
-        if (mesh.materials.empty() && !mesh.triangles.empty()) used[0] = true;
-        for (const std::uint32_t material : mesh.materials) used[material] = true;
-    }
-    for (const PrimitiveSet& set : scene.primitives) {
-        if (set.materials.empty() && primitive_count(set) > 0) used[0] = true;
-        for (const std::uint32_t material : set.materials) used[material] = true;
-    }
+    const auto use = [&](const std::vector<std::uint32_t>& materials, bool any) {
+        if (materials.empty() && any && !used.empty()) used[0] = true;
+        for (const std::uint32_t material : materials)
+            if (material < used.size()) used[material] = true;
+    };
+    for (const Mesh& mesh : scene.meshes) use(mesh.materials, !mesh.triangles.empty());
+    for (const PrimitiveSet& set : scene.primitives) use(set.materials, primitive_count(set) > 0);
     return used;
 }
 

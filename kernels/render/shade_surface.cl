@@ -450,11 +450,24 @@ static inline void shade_sorted(const Step* step, SCENE_PARAMETERS, global RayQu
 kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
 void shade_surface(Step step, SCENE_PARAMETERS, global QueueLength* lengths, global ulong* totals,
                    global RayQueue* queue, global const SceneHit* hits, global RayQueue* next_queue,
-                   global ShadowQueue* shadow_queue, global float* radiance) {
+                   global ShadowQueue* shadow_queue, global float* radiance
+#if SORTED
+                   , global const uint* sorted, uint shader
+#endif
+) {
     const uint depth = step.depth;
+#if SORTED
+    if (get_global_id(0) == 0 && shader == 0u)
+#else
     if (get_global_id(0) == 0)
+#endif
         count_spent(length_of_rays(lengths, depth + 2), length_of_shadows(lengths, depth + 1), totals);
+#if SORTED
+    const uint all = *length_of_shader(lengths, depth, shader);
+    global const uint* numbers_of_rays = sorted + shader * (size_t)step.room;
+#else
     const uint all = min(*length_of_rays(lengths, depth), step.capacity);
+#endif
     global uint* next_length = length_of_rays(lengths, depth + 1);
     global uint* shadow_length = length_of_shadows(lengths, depth);
 #if CLARAY_CPU
@@ -466,10 +479,18 @@ void shade_surface(Step step, SCENE_PARAMETERS, global QueueLength* lengths, glo
     for (uint i = begin; i < end; i += 16u) {
         uint numbers[16];
 #if SHADE_SIXTEEN
+#if SORTED
+        for (uint k = 0; k < 16u; ++k) numbers[k] = numbers_of_rays[min(i + k, all - 1u)];
+#else
         for (uint k = 0; k < 16u; ++k) numbers[k] = i + k;
+#endif
         shade_plain(&step, SCENE, queue, hits, numbers, min(16u, end - i), &to, radiance);
 #else
+#if SORTED
+        for (uint k = 0; k < 16u; ++k) numbers[k] = numbers_of_rays[min(i + k, all - 1u)];
+#else
         number_rays16(&step, i, all, numbers);
+#endif
         shade_any(&step, SCENE, queue, hits, numbers, min(SLOTS_AT_ONCE, end - i), &to, radiance);
 #endif
     }
@@ -478,8 +499,14 @@ void shade_surface(Step step, SCENE_PARAMETERS, global QueueLength* lengths, glo
     local uint scratch[2];
     ShadedRay shaded;
     shaded.next.wanted = shaded.shadow.wanted = false;
-    const uint number = get_global_id(0);
-    if (number < all) shade_rays(&step, SCENE, queue, hits, &number, 1u, radiance, &shaded);
+    const uint at = get_global_id(0);
+#if SORTED
+    if (get_group_id(0) * GROUP_SIZE >= all) return;
+    const uint number = numbers_of_rays[min(at, all - 1u)];
+#else
+    const uint number = at;
+#endif
+    if (at < all) shade_rays(&step, SCENE, queue, hits, &number, 1u, radiance, &shaded);
     const uint slot = reserve_slot(next_length, shaded.next.wanted, scratch);
     if (shaded.next.wanted) store_next(&shaded, next_queue, step.room, slot);
 #if LIGHTS

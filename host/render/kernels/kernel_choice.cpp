@@ -15,13 +15,6 @@ Layout tuned_layout(const Device& device, Layout layout) {
     return device.tuning("trace/closest_hit", "WIDE") != 0 ? Layout::wide : Layout::binary;
 }
 
-EffectSet effects_of_stage(EffectSet effects, Stage stage) {
-    EffectSet of_stage;
-    for (const Effect effect : all_effects())
-        if (effects.has(effect) && concerns(effect, stage)) of_stage.add(effect);
-    return of_stage;
-}
-
 void remember(const Device& device, const KernelChoice& choice, const RenderConfig& config, const std::string& part) {
     const std::string text = part + " of " + to_string(choice.effects);
     store_cached_program(key_of_kernels(device, choice, config, part), {text.begin(), text.end()});
@@ -39,8 +32,7 @@ std::string key_of_kernels(const Device& device, const KernelChoice& choice, con
     const bool lit = !(choice.effects & sampled_lights).empty();
     const EffectSet structure =
         choice.effects & EffectSet{Effect::instances, Effect::instance_motion, Effect::primitives};
-    const EffectSet effects =
-        part != "trace" ? choice.effects : structure | effects_of_stage(choice.effects, Stage::trace);
+    const EffectSet effects = part != "trace" ? choice.effects : structure | of_stage(choice.effects, Stage::trace);
     const Builder builder = builder_for(config.bvh.builder, device, structure.has(Effect::instances));
     std::string all = "renderer " + part + (lit ? " with shadows\n" : "\n") + info.platform + '\n' + info.name + '\n' +
                       info.driver + '\n' + info.version + '\n' + hash_of_kernel_sources() + '\n';

@@ -14,13 +14,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double seconds_between_asking = 1;             // for a compiler while that of another render runs
-constexpr std::ptrdiff_t most_effects_to_optimize = 16;  // in quick kernels: PoCL takes two seconds to optimize these
-
-std::ptrdiff_t number_of(EffectSet effects) {
-    const std::span<const Effect> all = all_effects();
-    return std::count_if(all.begin(), all.end(), [&](Effect effect) { return effects.has(effect); });
-}
+constexpr double seconds_between_asking = 1;          // for a compiler while that of another render runs
+constexpr std::size_t most_effects_to_optimize = 16;  // in quick kernels: PoCL takes two seconds to optimize these
 
 }  // namespace
 

@@ -164,6 +164,10 @@ typedef struct QueueLength {
 CLARAY_LAYOUT(QueueLength, 1024)
 #define CLARAY_RAY_QUEUES 3u
 #define CLARAY_SHADOW_QUEUES 2u
+/// Most kernels of a scene that each shade some of its materials (MaterialData::shader). Behind the lengths of the
+/// queues are the numbers of rays for each of these kernels, of the surfaces at even depths and at odd ones.
+#define CLARAY_MOST_SHADERS 12u
+#define CLARAY_QUEUE_LENGTHS (CLARAY_RAY_QUEUES + CLARAY_SHADOW_QUEUES + 2u * CLARAY_MOST_SHADERS)
 
 /// A sum of colours in two parts. The value is the sum of both parts.
 typedef struct ColorSum {
