@@ -53,9 +53,10 @@ bool host_builds(const Device& device, const Scene& scene) {
 }
 
 /// A tree of trees is replaced only if the host built it, and trees in parts never. Quick kernels know no primitives.
-KernelPlan plan_for(const Device& device, const Scene& scene, EffectSet effects, const RenderConfig& config,
-                    unsigned parts) {
-    KernelPlan plan = plan_kernels(device, effects, config);
+KernelPlan plan_for(const Device& device, const Scene& scene, const RenderConfig& config, unsigned parts) {
+    SceneTraits traits = traits_of(scene);
+    traits.is_split = parts > 1;
+    KernelPlan plan = plan_kernels(device, traits, config);
     const bool replaceable = parts == 1 && (scene.instances.empty() || host_builds(device, scene));
     if (replaceable && scene.primitives.empty()) return plan;
     return {KernelStart::own, plan.last, plan.last};
@@ -69,8 +70,10 @@ unsigned parts_of(const Device& device, const Scene& scene, const RenderConfig& 
     return triangles > 1 ? config.parts : 1;
 }
 
+/// The programs of all kernels are loaded at once.
 Structure first_structure(const Device& device, const Scene& scene, std::size_t baked, const KernelPlan& plan,
                           const Bvh::Config& config, unsigned parts) {
+    load(device, plan.first.programs);
     const bool by_host =
         plan.start == KernelStart::quick && plan.first.layout == Layout::binary && host_builds(device, scene);
     return {device, scene, baked, with_layout(config, plan.first.layout), by_host, parts};
@@ -97,14 +100,13 @@ Bvh::Config with_layout(Bvh::Config config, Layout layout) {
     return config;
 }
 
-Renderer::State::State(const Device& on, const Scene& scene, const RenderConfig& with, std::size_t baked,
-                       std::optional<EffectSet> exactly)
+Renderer::State::State(const Device& on, const Scene& scene, const RenderConfig& with, std::size_t baked)
     : device(on),
       config(with_builder(checked(with), on, scene)),
       camera(camera_of(scene, aspect_of(with))),
       set_up(Clock::now()),
       parts(parts_of(on, checked(scene), config)),
-      plan(plan_for(on, scene, exactly ? *exactly : effects_of(scene), config, parts)),
+      plan(plan_for(on, scene, config, parts)),
       quick_start(plan.start == KernelStart::quick ? std::make_unique<QuickStart>(on) : nullptr),
       set_up_processor(processor_seconds()),
       milliseconds_before(kernel_milliseconds(on)),

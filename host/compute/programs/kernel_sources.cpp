@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <mutex>
 #include <sstream>
 
@@ -113,6 +114,18 @@ std::vector<const KernelSource*> included_sources(const std::string& text) {
     std::vector<const KernelSource*> found;
     add_included(text, found);
     return found;
+}
+
+std::string digest_of_texts(const KernelSource& main) {
+    static std::mutex mutex;
+    static std::map<std::string, std::string> digests;
+    const std::string key = hash128(main.text) + std::to_string(replaced);
+    const std::lock_guard lock(mutex);
+    std::string& digest = digests[key];
+    if (!digest.empty()) return digest;
+    std::string texts = main.text + '\n';
+    for (const KernelSource* source : included_sources(main.text)) texts += source->path + '\n' + source->text + '\n';
+    return digest = hash128(texts);
 }
 
 std::string with_names_apart(std::string text) {

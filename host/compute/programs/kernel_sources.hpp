@@ -34,6 +34,8 @@ void replace_kernel_source(const std::string& path, std::string text);
 
 /// The files that a text includes directly or indirectly, for any values of its macros.
 std::vector<const KernelSource*> included_sources(const std::string& text);
+/// Of a file and those. Computed once, since each look into the cache needs it.
+[[nodiscard]] std::string digest_of_texts(const KernelSource& main);
 
 /// Passes claray's files to the compiler under names that no folder has: NVIDIA's (driver 580) searches the current
 /// folder and its folder `include` first, and would use a file of the same name there.
