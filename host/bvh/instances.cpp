@@ -110,7 +110,7 @@ void InstancedBvh::State::take_bottoms(std::span<const Bvh> bottoms) {
     }
     shared = bottoms[0];
     headers = shared->header_buffer();
-    bottom_bytes = shared->statistics().bytes;
+    bottom_bytes = shared->state().tree_bytes(shared->header());
 }
 
 void InstancedBvh::State::copy_bottoms(std::span<const Bvh> bottoms) {

@@ -289,6 +289,7 @@ KernelSet programs_of_query(const Device& device, const StructureFormat& structu
 
 KernelSet programs_of_structure(const Device& device, const StructureFormat& structure, const Bvh::Config& config) {
     KernelSet set = programs_of_builder(device, config);
+    if (structure.is_split) set.add(device, {"bvh/validate.cl", "sum_areas", {}});  // of Bvh::statistics
     if (!structure.has_instances) return set;
     set.add(device, InstancedBvh::State::placing());
     set.add(programs_of_builder(device, InstancedBvh::State::config_of_top(config_of_top(config))));
