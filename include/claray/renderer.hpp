@@ -339,7 +339,8 @@ private:
     std::shared_ptr<State> state_;
 };
 
-/// Compiles all kernels that renders of scenes with exactly these effects need, and stores them in the cache.
+/// Compiles the kernels that renders of scenes with exactly these effects need, and stores them in the cache. Those that
+/// trace primitives are compiled with their scene. Throws ErrorKind::device with the compiler's log.
 void compile_kernels(const Device& device, EffectSet effects, const RenderConfig& config = {});
 
 /// Renders the light that arrives at a point: six square images of `config.height` pixels a side, as an Environment has
