@@ -186,12 +186,13 @@ private:
         return config;
     }
 
-    [[nodiscard]] EffectSet effects_for(const RenderConfig& config) const {
+    [[nodiscard]] SceneTraits traits_for(const RenderConfig& config) const {
         const EffectSet& removed = config.effects.remove;
-        return removed.empty() ? effects_of(scene_) : effects_of(without_effects(scene_, removed));
+        return removed.empty() ? traits_of(scene_) : traits_of(without_effects(scene_, removed));
     }
+    [[nodiscard]] EffectSet effects_for(const RenderConfig& config) const { return traits_for(config).effects; }
     [[nodiscard]] bool is_cached(const RenderConfig& config) const {
-        return are_cached(device_, plan_kernels(device_, effects_for(config), config).last, config);
+        return are_cached(device_, scene_kernels(device_, traits_for(config), config).programs);
     }
 
     /// Compiles the kernels of a render, and returns its effects.
