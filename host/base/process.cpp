@@ -44,9 +44,10 @@ private:
 
 }  // namespace
 
-pid_t start_silently(std::vector<std::string> arguments, int file) {
+pid_t start_silently(std::vector<std::string> arguments, int file, int input) {
     Files files;
     files.silence({STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO});
+    if (input >= 0) files.give(input, STDIN_FILENO);
     if (file >= 0) files.give(file, STDERR_FILENO + 1);
     return files.start(arguments);
 }

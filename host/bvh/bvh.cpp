@@ -235,12 +235,23 @@ void Bvh::State::set_cutouts(const Buffer<std::uint32_t>& store) {
     cutouts = store;
 }
 
-Defines Bvh::defines() const {
-    Defines defines = {{"CLARAY_WIDE", layout() == Layout::wide ? "1" : "0"}};
-    if (state_->small_kernels) defines.emplace_back("CLARAY_SMALL", "1");
-    if (state_->has_cutouts()) defines.emplace_back("CLARAY_CUTOUTS", "1");
-    if (state_->leaf_shape != LeafShape::triangle) defines.emplace_back("CLARAY_PRIMITIVES", "1");
+TreeFormat format_of(const Bvh& bvh) {
+    const Bvh::State& state = state_of(bvh);
+    return {.wide = state.layout == Layout::wide,
+            .small = state.small_kernels,
+            .cutouts = state.has_cutouts(),
+            .primitives = state.leaf_shape != LeafShape::triangle};
+}
+
+Defines TreeFormat::defines() const {
+    Defines defines = {{"CLARAY_WIDE", wide ? "1" : "0"}};
+    if (small) defines.emplace_back("CLARAY_SMALL", "1");
+    if (moves) defines.emplace_back("CLARAY_INSTANCE_MOTION", "1");
+    if (cutouts) defines.emplace_back("CLARAY_CUTOUTS", "1");
+    if (primitives) defines.emplace_back("CLARAY_PRIMITIVES", "1");
     return defines;
 }
+
+Defines Bvh::defines() const { return format_of(*this).defines(); }
 
 }  // namespace claray

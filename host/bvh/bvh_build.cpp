@@ -2,7 +2,6 @@
 
 #include "host/bvh/bvh_state.hpp"
 #include "host/compute/memory.hpp"
-#include "host/compute/programs/joint_program.hpp"
 
 namespace claray {
 namespace {
@@ -11,9 +10,29 @@ constexpr std::uint32_t build_group = 256;
 constexpr std::size_t pieces_a_range = 196;  // MAX_WAITING of kernels/bvh/serial/serial.clh
 constexpr std::size_t triangle_limit = CLARAY_SLOT;
 
-Layout resolve(Layout layout, const Device& device) {
-    if (layout != Layout::automatic) return layout;
-    return device.tuning("trace/closest_hit", "WIDE") != 0 ? Layout::wide : Layout::binary;
+constexpr const char* collapse_file = "bvh/collapse.cl";
+
+using Sort32 = RadixSort<std::uint32_t>;
+using Sort64 = RadixSort<std::uint64_t>;
+
+Bvh::Config resolved(Bvh::Config config, const Device& device) {
+    config.layout = resolve(config.layout, device), config.builder = resolve(config.builder, device);
+    return config;
+}
+
+Defines defines_of(LeafShape shape) {
+    if (shape == LeafShape::triangle) return {};
+    return {{"LEAF_SHAPE", std::to_string(int(shape))}};
+}
+
+/// Whether the collapse takes the cheapest tree. For triangles of `balanced` it would take two fifths of the build.
+bool weighs_costs(const Bvh::Config& config, LeafShape shape) {
+    return shape != LeafShape::triangle || !traits_of(config.builder).codes;
+}
+
+/// See sbvh_serial.cl.
+unsigned leaf_block(const Bvh::Config& config, LeafShape shape) {
+    return shape != LeafShape::triangle && config.layout == Layout::wide ? CLARAY_WIDTH : 1;
 }
 
 /// The collapse uses one item per subtree, with at least this many subtrees and fewer than eight times as many.
@@ -33,15 +52,19 @@ Builder resolve(Builder builder, const Device& device) {
     return Builder(std::min<unsigned>(device.tuning("bvh/automatic", "BUILDER"), std::size(builders) - 1));
 }
 
+Layout resolve(Layout layout, const Device& device) {
+    if (layout != Layout::automatic) return layout;
+    return device.tuning("trace/closest_hit", "WIDE") != 0 ? Layout::wide : Layout::binary;
+}
+
 Bvh::State::State(const Device& on, const TriangleBuffers& of, const Config& with, bool by_host, LeafShape shape)
     : device(on),
       triangles(of),
-      config(with),
-      layout(resolve(with.layout, on)),
+      config(resolved(with, on)),
+      layout(config.layout),
       leaf_shape(shape),
       count(std::uint32_t(of.indices.size() / 3)),
       learns(shape == LeafShape::triangle && with.learns.value_or(with.builder == Builder::automatic)) {
-    config.builder = claray::resolve(config.builder, on);
     learns = learns && config.builder != Builder::high;
     if (config.morton_bits != 30 && config.morton_bits != 63)
         throw Error(ErrorKind::usage, "morton_bits is " + std::to_string(config.morton_bits), "use 30 or 63");
@@ -53,80 +76,81 @@ Bvh::State::State(const Device& on, const TriangleBuffers& of, const Config& wit
     if (of.indices.size() / 3 >= triangle_limit)
         throw Error(ErrorKind::user,
                     "too many triangles: " + std::to_string(of.indices.size() / 3) + ", the limit is 2^29 - 2");
-    if (!by_host)
-        compile_side_by_side(device, [this] {
-            allocate();
-            load_for_building(1);
-        });
+    if (!by_host) claray::load(device, programs_of_builder(device, config, shape));
     allocate();
-    if (!by_host) load_for_building(count);
+    if (!by_host) prepare();
 }
 
-void Bvh::State::load_for_building(std::size_t keys_to_sort) {
+void Bvh::State::prepare() {
     prepared_ = true;
-    if (traits_of(config.builder).codes) allocate_for_sorting();
-    load_kernels(keys_to_sort);
-}
-
-void Bvh::State::prepare_to_build_after_host() {
-    compile_side_by_side(device, [this] { load_for_building(1); });
-    load_for_building(count);
-}
-
-void Bvh::State::load_kernels(std::size_t keys_to_sort) {
-    reset_ = load_kernel(device, "bvh/bounds.cl", "reset_header");
-    finish_bounds_ = load_kernel(device, "bvh/bounds.cl", "finish_bounds");
-    if (ranges == 0) bounds_ = load_kernel(device, "bvh/bounds.cl", "compute_bounds");
-    if (traits_of(config.builder).codes) load_for_sorting(keys_to_sort);
-    if (layout == Layout::wide) {
-        begin_collapse_ = load_collapse("begin_collapse");
-        if (costs.size() != 0) cost_subtrees_ = load_collapse("cost_subtrees");
-        collapse_level_ = load_collapse("collapse_level");
-        collapse_subtrees_ = load_collapse("collapse_subtrees");
+    if (traits_of(config.builder).codes) {
+        allocate_for_sorting();
+        if (config.morton_bits == 63)
+            sort64 = std::make_unique<Sort64>(device, count, Sort64::config_for(device));
+        else
+            sort32 = std::make_unique<Sort32>(device, count, Sort32::config_for(device));
     }
+    claray::load(device, kernels(device, config, leaf_shape), *this);
 }
 
-Kernel Bvh::State::load_collapse(const std::string& function) const {
-    Defines defines;
-    if (leaf_shape != LeafShape::triangle) defines.emplace_back("LEAF_SHAPE", std::to_string(int(leaf_shape)));
-    return load_kernel(device, "bvh/collapse.cl", function, defines);
-}
-
-void Bvh::State::load_for_sorting(std::size_t keys) {
-    if (config.morton_bits == 63)
-        sort64 = std::make_unique<RadixSort<std::uint64_t>>(device, keys, RadixSort<std::uint64_t>::config_for(device));
-    else
-        sort32 = std::make_unique<RadixSort<std::uint32_t>>(device, keys, RadixSort<std::uint32_t>::config_for(device));
-    const bool balanced = config.builder == Builder::balanced;
-    const Defines bits = {{"CODE_BITS", std::to_string(config.morton_bits)}};
-    Defines tree = bits;
-    tree.emplace_back("MAX_LEAF", std::to_string(leaf_limit()));
-    if (ranges == 0) {
-        codes_ = load_kernel(device, "bvh/morton_codes.cl", "compute_morton_codes", bits);
-        lbvh_ = load_kernel(device, "bvh/lbvh.cl", "build_lbvh", tree);
-        if (!balanced) return;
-        hploc_ = load_kernel(device, "bvh/hploc.cl", "build_hploc", tree);
-        return;
+KernelsOf<Bvh::State> Bvh::State::kernels(const Device& device, const Config& config, LeafShape shape) {
+    const BuilderTraits& traits = traits_of(config.builder);
+    const bool is_serial = traits.codes && device.tuning("bvh/serial", "RANGES_PER_UNIT") != 0;
+    KernelsOf<State> kernels = {{&State::reset_, {"bvh/bounds.cl", "reset_header", {}}},
+                                {&State::finish_bounds_, {"bvh/bounds.cl", "finish_bounds", {}}}};
+    const auto add = [&](Kernel State::*member, const char* file, const char* function, const Defines& defines) {
+        kernels.push_back({member, {file, function, defines}});
+    };
+    if (!is_serial) add(&State::bounds_, "bvh/bounds.cl", "compute_bounds", {});
+    if (traits.codes) {
+        const Defines bits = {{"CODE_BITS", std::to_string(config.morton_bits)}};
+        Defines tree = bits;
+        tree.emplace_back("MAX_LEAF", std::to_string(leaf_limit(config)));
+        const bool balanced = config.builder == Builder::balanced;
+        if (is_serial) {
+            add(&State::centroids_, "bvh/centroids.cl", "compute_centroids", bits);
+            add(&State::encode_, "bvh/centroids.cl", "encode_centroids", bits);
+            add(&State::lbvh_ranges_, "bvh/serial/lbvh_serial.cl", "build_lbvh_ranges", tree);
+            add(&State::join_lbvh_, "bvh/serial/lbvh_serial.cl", "join_lbvh_ranges", tree);
+            if (balanced) add(&State::hploc_ranges_, "bvh/serial/hploc_serial.cl", "build_hploc_ranges", tree);
+            if (balanced) add(&State::join_hploc_, "bvh/serial/hploc_serial.cl", "join_hploc_ranges", tree);
+        } else {
+            add(&State::codes_, "bvh/morton_codes.cl", "compute_morton_codes", bits);
+            add(&State::lbvh_, "bvh/lbvh.cl", "build_lbvh", tree);
+            if (balanced) add(&State::hploc_, "bvh/hploc.cl", "build_hploc", tree);
+        }
     }
-    centroids_ = load_kernel(device, "bvh/centroids.cl", "compute_centroids", bits);
-    encode_ = load_kernel(device, "bvh/centroids.cl", "encode_centroids", bits);
-    lbvh_ranges_ = load_kernel(device, "bvh/serial/lbvh_serial.cl", "build_lbvh_ranges", tree);
-    join_lbvh_ = load_kernel(device, "bvh/serial/lbvh_serial.cl", "join_lbvh_ranges", tree);
-    if (!balanced) return;
-    hploc_ranges_ = load_kernel(device, "bvh/serial/hploc_serial.cl", "build_hploc_ranges", tree);
-    join_hploc_ = load_kernel(device, "bvh/serial/hploc_serial.cl", "join_hploc_ranges", tree);
+    if (config.layout == Layout::binary) return kernels;
+    add(&State::begin_collapse_, collapse_file, "begin_collapse", defines_of(shape));
+    if (weighs_costs(config, shape)) add(&State::cost_subtrees_, collapse_file, "cost_subtrees", defines_of(shape));
+    add(&State::collapse_level_, collapse_file, "collapse_level", defines_of(shape));
+    add(&State::collapse_subtrees_, collapse_file, "collapse_subtrees", defines_of(shape));
+    return kernels;
+}
+
+KernelSet programs_of_builder(const Device& device, const Bvh::Config& with, LeafShape shape) {
+    const Bvh::Config config = resolved(with, device);
+    KernelSet set = programs_of(device, Bvh::State::kernels(device, config, shape));
+    if (!traits_of(config.builder).codes) {
+        set.add(programs_of(device, Sbvh::kernels(device, leaf_block(config, shape))));
+        set.add(programs_of(device, TreeLayout::kernels(Bvh::State::leaf_limit(config))));
+    } else if (config.morton_bits == 63) {
+        set.add(programs_of(device, Sort64::kernels(device, Sort64::config_for(device).onesweep)));
+    } else {
+        set.add(programs_of(device, Sort32::kernels(device, Sort32::config_for(device).onesweep)));
+    }
+    return set;
 }
 
 void Bvh::State::allocate() {
     std::uint32_t capacity = count;  // of leaves
     if (!traits_of(config.builder).codes) {
-        const bool blocks_of_eight = leaf_shape != LeafShape::triangle && layout == Layout::wide;
         sbvh = Sbvh(device, count, traits_of(config.builder).splits ? config.split_budget : 0,
-                    blocks_of_eight ? CLARAY_WIDTH : 1);
+                    leaf_block(config, leaf_shape));
         capacity = sbvh.capacity();
         other_nodes = Buffer<BvhNode>(device, capacity);
         other_leaves = Buffer<LeafTriangle>(device, capacity);
-        finish = TreeLayout(device, capacity, leaf_limit());
+        finish = TreeLayout(device, capacity, leaf_limit(config));
     }
     header = Buffer<BvhHeader>(device, 1);
     bound_keys = Buffer<std::uint32_t>(device, 7);
@@ -144,9 +168,7 @@ void Bvh::State::allocate() {
             wide_blocks = Buffer<TriangleBlock>(device, blocks);
         else
             primitive_blocks = Buffer<PrimitiveBlock>(device, blocks);
-        // For triangles of `balanced` it would take two fifths of the build.
-        if (leaf_shape != LeafShape::triangle || !traits_of(config.builder).codes)
-            costs = Buffer<float>(device, std::size_t(CLARAY_WIDTH) * capacity);
+        if (weighs_costs(config, leaf_shape)) costs = Buffer<float>(device, std::size_t(CLARAY_WIDTH) * capacity);
     }
 }
 
@@ -240,7 +262,10 @@ void Bvh::State::build_hploc(const Buffer<Code>& codes) {
 }
 
 void Bvh::State::build() {
-    if (!prepared_) prepare_to_build_after_host();
+    if (!prepared_) {
+        claray::load(device, programs_of_builder(device, config, leaf_shape));
+        prepare();
+    }
     built_cost = 0;
     closed.reset();
     splits_of_host = false;
@@ -283,8 +308,8 @@ void Bvh::State::collapse(bool by_split) {
 void Bvh::State::load_refit() {
     if (refit_.handle()()) return;
     refit_ = load_kernel(device, "bvh/refit.cl", "refit_nodes");
-    if (layout == Layout::wide) refit_wide_ = load_collapse("refit_wide");
-    (void)load_kernel(device, "bvh/validate.cl", "sum_areas");  // of sah_cost
+    if (layout == Layout::wide) refit_wide_ = load_kernel(device, collapse_file, "refit_wide", defines_of(leaf_shape));
+    (void)load_kernel(device, area_sum);
 }
 
 void Bvh::State::refit() {
@@ -325,7 +350,7 @@ double Bvh::State::sah_cost() const {
     if (h.inner_nodes == 0) return h.valid;
     const std::size_t items = 4096;
     const Buffer<float> sums(device, 2 * items);
-    load_kernel(device, "bvh/validate.cl", "sum_areas").run({items, 64}, nodes, header, sums);
+    load_kernel(device, area_sum).run({items, 64}, nodes, header, sums);
     double area = 0;
     for (const float sum : sums.read()) area += sum;
     const double x = double(h.hix) - h.lox, y = double(h.hiy) - h.loy, z = double(h.hiz) - h.loz;

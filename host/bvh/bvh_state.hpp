@@ -29,11 +29,35 @@ void require_triangles(const Bvh& bvh, const std::string& user);
 /// The same structure, which someone else must keep alive: for what the structure itself owns.
 [[nodiscard]] Bvh without_owning(const Bvh& bvh);
 
+/// What kernels that trace a tree depend on.
+struct TreeFormat {
+    bool wide = false;
+    bool small = false;       // see CLARAY_SMALL in kernels/trace/closest_hit.clh
+    bool moves = false;       // of instances
+    bool cutouts = false;     // see Bvh::State::set_cutouts
+    bool primitives = false;  // leaves hold no triangles
+
+    [[nodiscard]] Defines defines() const;
+    bool operator==(const TreeFormat&) const = default;
+};
+[[nodiscard]] TreeFormat format_of(const Bvh& bvh);
+
+/// The programs that build trees over triangles, or over other primitives.
+[[nodiscard]] KernelSet programs_of_builder(const Device& device, const Bvh::Config& config,
+                                            LeafShape shape = LeafShape::triangle);
+/// For Bvh::State::sah_cost.
+inline const KernelRequest area_sum = {"bvh/validate.cl", "sum_areas", {}};
+/// What Layout::automatic stands for; otherwise `layout`.
+[[nodiscard]] Layout resolve(Layout layout, const Device& device);
+
 struct Bvh::State {
     /// `by_host`: the host will fill in the tree. Kernels and buffers for building are then loaded and allocated on
     /// demand.
     State(const Device& on, const TriangleBuffers& of, const Config& with, bool by_host = false,
           LeafShape shape = LeafShape::triangle);
+
+    /// Those of builders with Morton codes are not all. `shape` and `config`: as resolved for the device.
+    [[nodiscard]] static KernelsOf<State> kernels(const Device& device, const Config& config, LeafShape shape);
 
     void build();
     /// Frees the triangles and the memory kept for rebuilding: the tree can only be traversed afterwards.
@@ -68,7 +92,9 @@ struct Bvh::State {
         return sizeof(BvhHeader) + of.wide_nodes * sizeof(WideNode) + of.wide_blocks * block_bytes();
     }
     /// Largest number of triangles per leaf of the binary tree; 1 for the wide tree, which forms its own leaves.
-    [[nodiscard]] std::uint32_t leaf_limit() const { return layout == Layout::binary ? config.max_leaf_triangles : 1; }
+    [[nodiscard]] static std::uint32_t leaf_limit(const Config& config) {
+        return config.layout == Layout::binary ? config.max_leaf_triangles : 1;
+    }
 
     Device device;
     TriangleBuffers triangles;
@@ -116,15 +142,11 @@ struct Bvh::State {
     [[nodiscard]] TreeSearch* search() const { return searching_; }
 
 private:
-    void prepare_to_build_after_host();
-    [[nodiscard]] Kernel load_collapse(const std::string& function) const;
     template <class... Parameters>
     void run_collapse(Kernel& kernel, Range range, const Parameters&... parameters);
     void allocate();
     void allocate_for_sorting();
-    void load_for_building(std::size_t keys_to_sort);
-    void load_kernels(std::size_t keys_to_sort);
-    void load_for_sorting(std::size_t keys);
+    void prepare();
     void compute_bounds();
     template <class Code>
     void build_tree(Buffer<Code>& codes, RadixSort<Code>& sort);

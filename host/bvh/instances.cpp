@@ -11,10 +11,6 @@
 namespace claray {
 namespace {
 
-void without_cutouts(Defines& defines) {
-    std::erase_if(defines, [](const auto& define) { return define.first == "CLARAY_CUTOUTS"; });
-}
-
 constexpr std::size_t instances_group = 64;  // GROUP_SIZE of bvh/instances.cl
 
 /// Sizes of the parts of a bottom level that rays visit.
@@ -74,11 +70,11 @@ InstancedBvh::State::State(std::span<const Bvh> bottoms, const Buffer<Instance>&
     load_kernel(device, "bvh/instances.cl", "number_corners")
         .run({3 * count, 256}, boxes.indices, std::uint32_t(3 * count));
     place();
-    top = Bvh::build(device, boxes, top_config());
+    top = Bvh::build(device, boxes, config_of_top(config));
     widen_top();
 }
 
-Bvh::Config InstancedBvh::State::top_config() const {
+Bvh::Config InstancedBvh::State::config_of_top(const Config& config) {
     return {.builder = config.builder,
             .morton_bits = config.morton_bits,
             .layout = Layout::binary,
@@ -90,7 +86,7 @@ void InstancedBvh::State::build_by_host(std::span<const Instance> begins, std::s
     placed.write(placement.placed);
     if (moving.allocated()) moving.write(placement.moving);
     widening.write(std::span(&placement.widening, 1));
-    top = claray::build_by_host(device, std::span(&placement.boxes, 1), top_config());
+    top = claray::build_by_host(device, std::span(&placement.boxes, 1), config_of_top(config));
     boxes = top->triangles();
     widen_top();
 }
@@ -104,9 +100,9 @@ void InstancedBvh::State::widen_top() {
 void InstancedBvh::State::take_bottoms(std::span<const Bvh> bottoms) {
     check_bottoms(bottoms);
     layout = bottoms[0].layout();
-    defines = bottoms[0].defines();
-    if (bottoms.size() > 1) without_cutouts(defines);  // copies have no own cut-outs
-    if (ends.allocated()) defines.emplace_back("CLARAY_INSTANCE_MOTION", "1");
+    format = format_of(bottoms[0]);
+    if (bottoms.size() > 1) format.cutouts = false;  // copies have no own cut-outs
+    format.moves = ends.allocated();
     nodes = {}, leaves = {}, wide_nodes = {}, wide_blocks = {};
     if (bottoms.size() > 1) {
         shared.reset();
@@ -115,7 +111,7 @@ void InstancedBvh::State::take_bottoms(std::span<const Bvh> bottoms) {
     }
     shared = bottoms[0];
     headers = state_of(*shared).header;
-    bottom_bytes = shared->statistics().bytes;
+    bottom_bytes = state_of(*shared).tree_bytes(state_of(*shared).read_header());
 }
 
 void InstancedBvh::State::copy_bottoms(std::span<const Bvh> bottoms) {
@@ -160,7 +156,7 @@ std::uint64_t InstancedBvh::State::bytes() const {
 }
 
 void InstancedBvh::State::place() {
-    if (!place_.handle()()) place_ = load_kernel(device, "bvh/instances.cl", "place_instances");
+    if (!place_.handle()()) place_ = load_kernel(device, placing());
     widening.fill(0);
     const std::size_t count = instances.size();
     place_.run({count, instances_group}, arg("instances", instances), arg("ends", ends), std::uint32_t(count), headers,
@@ -228,7 +224,7 @@ Layout InstancedBvh::layout() const { return state_->layout; }
 const Device& InstancedBvh::device() const { return state_->device; }
 const Bvh& InstancedBvh::top() const { return *state_->top; }
 BvhValidation InstancedBvh::validate() const { return state_->top->validate(); }
-Defines InstancedBvh::defines() const { return state_->defines; }
+Defines InstancedBvh::defines() const { return state_->format.defines(); }
 
 InstanceStatistics InstancedBvh::statistics() const {
     const BvhStatistics top = state_->top->statistics();
@@ -260,8 +256,7 @@ void InstancedBvh::State::set_cutouts(const Buffer<std::uint32_t>& store) {
         state_of(*shared).set_cutouts(store);
     else
         cutouts = store;
-    without_cutouts(defines);
-    if (store.allocated()) defines.emplace_back("CLARAY_CUTOUTS", "1");
+    format.cutouts = store.allocated();
 }
 
 void InstancedBvh::State::bind_bottoms(Kernel& kernel, unsigned& index) const {

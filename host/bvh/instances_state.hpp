@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "claray/instances.hpp"
-#include "host/compute/state_of.hpp"
+#include "host/bvh/bvh_state.hpp"
 
 namespace claray {
 
@@ -12,6 +12,11 @@ struct InstancedBvh::State {
     /// `by_host`: the top level is not built yet.
     State(std::span<const Bvh> bottoms, const Buffer<Instance>& of, const Buffer<Instance>& to, const Config& with,
           bool by_host = false);
+
+    /// Of all instances; its file has every kernel that places them.
+    [[nodiscard]] static KernelRequest placing() { return {"bvh/instances.cl", "place_instances", {}}; }
+    /// Of the tree over the instances.
+    [[nodiscard]] static Bvh::Config config_of_top(const Config& config);
 
     void take_bottoms(std::span<const Bvh> bottoms);
     void place();
@@ -28,7 +33,7 @@ struct InstancedBvh::State {
     Buffer<Instance> instances, ends;  // ends: not allocated if nothing can move
     Config config;
     Layout layout = Layout::automatic;  // of the bottom levels
-    Defines defines;
+    TreeFormat format;
 
     // The bottom levels: one shared Bvh, or copies of several in common buffers.
     std::optional<Bvh> shared;
@@ -47,7 +52,6 @@ struct InstancedBvh::State {
     std::optional<Bvh> top;
 
 private:
-    [[nodiscard]] Bvh::Config top_config() const;
     void copy_bottoms(std::span<const Bvh> bottoms);
 
     Kernel place_;

@@ -11,10 +11,14 @@ constexpr std::size_t words_per_subtree = 9;
 
 TreeLayout::TreeLayout(const Device& device, std::uint32_t capacity, unsigned max_leaf)
     : subtrees_(device, words_per_subtree * capacity) {
+    load(device, kernels(max_leaf), *this);
+}
+
+KernelsOf<TreeLayout> TreeLayout::kernels(unsigned max_leaf) {
     const Defines defines = {{"MAX_LEAF", std::to_string(max_leaf) + "u"}};
-    measure_ = load_kernel(device, layout_file, "measure_subtrees", defines);
-    copy_ = load_kernel(device, layout_file, "copy_tree", defines);
-    finish_ = load_kernel(device, layout_file, "finish_copy", defines);
+    return {{&TreeLayout::measure_, {layout_file, "measure_subtrees", defines}},
+            {&TreeLayout::copy_, {layout_file, "copy_tree", defines}},
+            {&TreeLayout::finish_, {layout_file, "finish_copy", defines}}};
 }
 
 void TreeLayout::copy(const TriangleBuffers& triangles, const Buffer<BvhNode>& nodes,

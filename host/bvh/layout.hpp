@@ -2,6 +2,7 @@
 #pragma once
 
 #include "claray/bvh.hpp"
+#include "host/compute/programs/kernel_set.hpp"
 
 namespace claray {
 
@@ -10,6 +11,7 @@ public:
     TreeLayout() = default;
     /// For trees of at most `capacity` leaves, each a reference to a triangle.
     TreeLayout(const Device& device, std::uint32_t capacity, unsigned max_leaf);
+    [[nodiscard]] static KernelsOf<TreeLayout> kernels(unsigned max_leaf);
 
     /// Copies the triangles of the first `leaf_count` leaves and the tree over them. Asynchronous.
     void copy(const TriangleBuffers& triangles, const Buffer<BvhNode>& nodes, const Buffer<LeafTriangle>& leaves,

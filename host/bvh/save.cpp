@@ -161,7 +161,7 @@ void Bvh::save(const std::filesystem::path& path) const {
     header.structs = struct_sizes;
     header.builder = std::uint32_t(s.config.builder);
     header.morton_bits = s.config.morton_bits;
-    header.leaf_limit = s.leaf_limit() << 16;
+    header.leaf_limit = Bvh::State::leaf_limit(s.config) << 16;
     header.nodes = s.nodes.size();
     header.leaves = s.leaves.size();
     header.positions = s.triangles.positions.size();

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "host/compute/memory.hpp"
-#include "host/compute/programs/joint_program.hpp"
 
 namespace claray {
 namespace {
@@ -21,6 +20,11 @@ Defines group_of(std::uint32_t items) { return {{"GROUP", std::to_string(items) 
 /// Chunks small enough to keep the device busy, and large enough that adding up their bins takes little time.
 std::uint32_t chunk_for(const Device& device, std::uint32_t references) {
     return std::clamp(references / (8 * std::max(device.info().compute_units, 1u)), 512u, 4096u);
+}
+
+/// Runs of the serial schedule; 0 on GPUs.
+std::uint32_t runs_of(const Device& device) {
+    return device.info().compute_units * device.tuning("bvh/serial", "RANGES_PER_UNIT");
 }
 
 }  // namespace
@@ -41,27 +45,29 @@ Sbvh::Sbvh(const Device& device, std::uint32_t count, double budget, unsigned le
     states_ = Buffer<std::uint32_t>(device, words_of_large_node * large_nodes);
     bins_ = Buffer<std::uint32_t>(device, words_of_bins * large_nodes);
     chunks_ = Buffer<std::uint32_t>(device, words_of_chunk * (capacity() / chunk_ + large_nodes));
-    compile_side_by_side(device, [&] { load_kernels(device, leaf_block); });
-    load_kernels(device, leaf_block);
+    runs_ = runs_of(device);
+    load(device, kernels(device, leaf_block), *this);
 }
 
-void Sbvh::load_kernels(const Device& device, unsigned leaf_block) {
-    const Defines medium = group_of(medium_group_), large = group_of(large_group_);
-    begin_placing_ = load_kernel(device, sbvh_file, "begin_placing", medium);
-    place_ = load_kernel(device, sbvh_file, "place_references", medium);
-    begin_ = load_kernel(device, sbvh_file, "begin_splitting", medium);
-    split_ = load_kernel(device, sbvh_file, "split_nodes", medium);
-    finish_ = load_kernel(device, sbvh_file, "finish_splitting", medium);
-    begin_large_ = load_kernel(device, large_file, "begin_large", large);
-    bin_large_ = load_kernel(device, large_file, "bin_large", large);
-    choose_large_ = load_kernel(device, large_file, "choose_large", large);
-    reserve_large_ = load_kernel(device, large_file, "reserve_large", large);
-    move_large_ = load_kernel(device, large_file, "move_large", large);
-    finish_large_ = load_kernel(device, large_file, "finish_large", large);
-    runs_ = device.info().compute_units * device.tuning("bvh/serial", "RANGES_PER_UNIT");
-    finish_subtrees_ = runs_ != 0 ? load_kernel(device, "bvh/serial/sbvh_serial.cl", "finish_subtrees_serial",
-                                                {{"LEAF_BLOCK", std::to_string(leaf_block)}})
-                                  : load_kernel(device, "bvh/sbvh_small.cl", "finish_subtrees");
+KernelsOf<Sbvh> Sbvh::kernels(const Device& device, unsigned leaf_block) {
+    const Defines medium = group_of(device.tuning("bvh/sbvh", "MEDIUM_GROUP"));
+    const Defines large = group_of(device.tuning("bvh/sbvh", "LARGE_GROUP"));
+    const KernelRequest finish = runs_of(device) != 0 ? KernelRequest{"bvh/serial/sbvh_serial.cl",
+                                                                      "finish_subtrees_serial",
+                                                                      {{"LEAF_BLOCK", std::to_string(leaf_block)}}}
+                                                      : KernelRequest{"bvh/sbvh_small.cl", "finish_subtrees", {}};
+    return {{&Sbvh::begin_placing_, {sbvh_file, "begin_placing", medium}},
+            {&Sbvh::place_, {sbvh_file, "place_references", medium}},
+            {&Sbvh::begin_, {sbvh_file, "begin_splitting", medium}},
+            {&Sbvh::split_, {sbvh_file, "split_nodes", medium}},
+            {&Sbvh::finish_, {sbvh_file, "finish_splitting", medium}},
+            {&Sbvh::begin_large_, {large_file, "begin_large", large}},
+            {&Sbvh::bin_large_, {large_file, "bin_large", large}},
+            {&Sbvh::choose_large_, {large_file, "choose_large", large}},
+            {&Sbvh::reserve_large_, {large_file, "reserve_large", large}},
+            {&Sbvh::move_large_, {large_file, "move_large", large}},
+            {&Sbvh::finish_large_, {large_file, "finish_large", large}},
+            {&Sbvh::finish_subtrees_, finish}};
 }
 
 void Sbvh::build(const TriangleBuffers& triangles, const Buffer<BvhNode>& nodes, const Buffer<LeafTriangle>& leaves,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "claray/bvh.hpp"
+#include "host/compute/programs/kernel_set.hpp"
 
 namespace claray {
 
@@ -11,6 +12,7 @@ public:
     Sbvh() = default;
     /// Room for `count` triangles and `budget` times as many further references. `leaf_block`: see sbvh_serial.cl.
     Sbvh(const Device& device, std::uint32_t count, double budget, unsigned leaf_block = 1);
+    [[nodiscard]] static KernelsOf<Sbvh> kernels(const Device& device, unsigned leaf_block);
 
     /// Largest number of references.
     [[nodiscard]] std::uint32_t capacity() const { return count_ + budget_; }
@@ -25,7 +27,6 @@ private:
     struct Queue {
         Buffer<std::uint32_t> tasks[2];  // of this level and of the next, alternating
     };
-    void load_kernels(const Device& device, unsigned leaf_block);
     void split_large(const TriangleBuffers& triangles, std::uint32_t level, std::uint32_t waiting,
                      std::uint32_t chunk_count);
     void split_medium(const TriangleBuffers& triangles, const Buffer<BvhNode>& nodes,

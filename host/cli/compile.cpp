@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <iostream>
 #include <memory>
 #include <thread>
 
@@ -24,14 +25,14 @@ void end_when_told(const std::shared_ptr<CompilerWatch>& watch) {
     }).detach();
 }
 
-/// The kernels of a render, then the generic ones.
+/// The kernels of a render, then those that can wait.
 void compile_in_background(const CompileOptions& options) {
     const auto watch = std::make_shared<CompilerWatch>();
     end_when_told(watch);
     const Device device = Device::open(options.device);
-    compile_kernels(device, parse_effects(options.effects), options.config);
+    load(device, read_kernel_set(std::cin));
     watch->let_others_compile();
-    compile_kernels(device, full_effects(), options.config);
+    load(device, read_kernel_set(std::cin));
 }
 
 void compile(const CompileOptions& options) {

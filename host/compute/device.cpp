@@ -282,7 +282,6 @@ Device Device::with_new_queue() const try {
     state->context = state_->context;
     state->queue = cl::CommandQueue(state->context, state->device, CL_QUEUE_PROFILING_ENABLE);
     state->owns_queue = true;
-    state->store_programs = state_->store_programs;
     state->programs = state_->programs;
     state->parameters = state_->parameters;
     state->in_use = state_->in_use;

@@ -15,7 +15,6 @@ namespace claray {
 
 class HostMemory;
 class MemoryPlan;
-struct KernelRequest;
 
 /// Bytes of all buffers together.
 struct MemoryUse {
@@ -41,15 +40,12 @@ struct Device::State {
     cl::CommandQueue queue;
     bool owns_queue = false;
     Profiler profiler;
-    bool store_programs = true;                    // in the cache on disk; PoCL compiles them again to do so
     std::map<std::string, cl::Program> programs;   // by file, options and, for user sources, text
     std::map<cl_program, std::string> parameters;  // of their kernels, see Kernel::check_arguments
     std::shared_ptr<KernelPool> kernels = std::make_shared<KernelPool>();
-    std::size_t programs_of_all_asked = 0;           // their number when none of those asked for at once was missing
-    std::vector<std::string> slow_programs;          // keys of programs that are only for a quick start
-    std::vector<KernelRequest>* requests = nullptr;  // if set, kernels are recorded instead of loaded
-    MemoryPlan* plan = nullptr;                      // if set, buffers are added up instead of created
-    bool commits = false;                            // see MemoryCommit
+    std::vector<std::string> slow_programs;  // keys of programs that are only for a quick start
+    MemoryPlan* plan = nullptr;              // if set, buffers are added up instead of created
+    bool commits = false;                    // see MemoryCommit
     std::shared_ptr<MemoryUse> in_use = std::make_shared<MemoryUse>();
     unsigned failing_allocation = 0, failing_command = 0;  // for tests: see host/compute/memory.hpp
     int failing_with = 0;

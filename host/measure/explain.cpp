@@ -9,9 +9,9 @@
 #include "host/base/format.hpp"
 #include "host/compute/contexts.hpp"
 #include "host/compute/programs/compiler_processes.hpp"
-#include "host/effects/effects.hpp"
 #include "host/measure/measure.hpp"
 #include "host/render/kernels/kernel_choice.hpp"
+#include "host/render/wavefront.hpp"
 
 namespace claray::measure {
 namespace {
@@ -54,16 +54,14 @@ public:
         if (beside_ && last_.valid()) last_.wait();
     }
     /// Compiled once for every set of macros.
-    std::shared_future<BuildReport> of(const std::string& file, const Defines& defines) {
-        std::string key = file;
-        for (const auto& [name, value] : defines) key += ' ' + name + '=' + value;
-        std::shared_future<BuildReport>& report = reports_[key];
+    std::shared_future<BuildReport> of(const ProgramRequest& program) {
+        std::shared_future<BuildReport>& report = reports_[to_text(program)];
         if (report.valid()) return report;
-        const auto build = [this, before = last_, file, defines] {
-            if (!beside_) return report_build(device_, file, defines);
+        const auto build = [this, before = last_, program] {
+            if (!beside_) return report_build(device_, program.file, program.defines);
             if (before.valid()) before.wait();
             if (!own_context_) own_context_ = Device::open(std::to_string(device_.info().index));
-            return report_build(*own_context_, file, defines);
+            return report_build(*own_context_, program.file, program.defines);
         };
         report = std::async(beside_ ? std::launch::async : std::launch::deferred, build).share();
         return last_ = report;
@@ -96,7 +94,7 @@ struct Comparison {
     Variant variant = {};  ///< without its builds
     double ratio = 1;
     bool noise = false;
-    VariantBuilds builds = {}, own_builds = {};  ///< of the concerned kernels
+    VariantBuilds builds = {}, own_builds = {};  ///< of the kernels in which they differ
 };
 
 class Explainer {
@@ -112,10 +110,10 @@ public:
     }
 
     /// Begins the builds for the compile times that `prepare` will ask for, where these are beside it.
-    void expect_builds(const EffectOverrides& overrides, EffectSet concerned) {
+    void expect_builds(const EffectOverrides& overrides) {
         if (!times_.beside()) return;
-        (void)builds_of(effects_for(config_), full_effects());
-        (void)builds_of(effects_for(with(overrides)) | overrides.add, concerned);
+        const KernelSet own = kernels_of(config_);
+        (void)builds_of(own), (void)builds_of(kernels_of(with(overrides)), own);
     }
     /// With the kernels of all renders, on a GPU: its driver compiles for several contexts at once, and more so for
     /// several processes. Errors are left to `prepare`, which needs memory for one renderer at a time.
@@ -137,14 +135,13 @@ public:
         });
     }
     /// Compiles all kernels of a variant, and of the scene's own; call it for all variants before `compare_with_own`.
-    void prepare(Comparison& comparison, EffectSet concerned) {
-        own_effects_ = compiled(config_);
-        comparison.own_builds = builds_of(own_effects_, concerned);
-        own_builds_ = builds_of(own_effects_, full_effects());
-        const EffectOverrides& overrides = comparison.overrides;
-        comparison.builds = builds_of(compiled(with(overrides)) | overrides.add, concerned);
+    void prepare(Comparison& comparison) {
+        compile(config_), compile(with(comparison.overrides));
+        const KernelSet own = kernels_of(config_), other = kernels_of(with(comparison.overrides));
+        own_builds_ = builds_of(own);
+        comparison.own_builds = builds_of(own, other), comparison.builds = builds_of(other, own);
     }
-    void prepare(const Approximations& approximate) { (void)compiled(config_), (void)compiled(with(approximate)); }
+    void prepare(const Approximations& approximate) { compile(config_), compile(with(approximate)); }
     /// Until nothing is compiled any more: that would slow down what is measured.
     void wait_for_builds() const { times_.wait(); }
 
@@ -186,20 +183,21 @@ private:
         return config;
     }
 
-    [[nodiscard]] EffectSet effects_for(const RenderConfig& config) const {
+    [[nodiscard]] SceneTraits traits_for(const RenderConfig& config) const {
         const EffectSet& removed = config.effects.remove;
-        return removed.empty() ? effects_of(scene_) : effects_of(without_effects(scene_, removed));
+        return removed.empty() ? traits_of(scene_) : traits_of(without_effects(scene_, removed));
     }
     [[nodiscard]] bool is_cached(const RenderConfig& config) const {
-        return are_cached(device_, plan_kernels(device_, effects_for(config), config).last, config);
+        return are_cached(device_, scene_kernels(device_, traits_for(config), config).programs);
+    }
+    /// Without those that build trees.
+    [[nodiscard]] KernelSet kernels_of(const RenderConfig& config) const {
+        const SceneTraits traits = traits_for(config);
+        const KernelChoice own = scene_kernels(device_, traits, config);
+        return programs_of_stages(device_, stages_for(device_, traits, config, own.effects, own.layout));
     }
 
-    /// Compiles the kernels of a render, and returns its effects.
-    [[nodiscard]] EffectSet compiled(const RenderConfig& config) const {
-        Renderer renderer(device_, scene_, config);
-        renderer.settle();
-        return renderer.statistics().effects;
-    }
+    void compile(const RenderConfig& config) const { Renderer(device_, scene_, config).settle(); }
 
     [[nodiscard]] std::vector<glm::vec3> image_of(RenderConfig config) const {
         config.spp = std::max(config.spp, 64u);
@@ -219,34 +217,16 @@ private:
         return sum > 0 ? std::sqrt(squares / values) / (sum / values) : 0;
     }
 
-    /// The kernels that contain one of the concerned effects.
-    VariantBuilds builds_of(EffectSet effects, EffectSet concerned) {
+    /// Of kernels that the other set lacks.
+    VariantBuilds builds_of(const KernelSet& kernels, const KernelSet& other = {}) {
         VariantBuilds builds;
         if (!options_.compile_times) return builds;
-        const std::pair<Stage, const char*> files[] = {{Stage::generate, "render/generate_rays.cl"},
-                                                       {Stage::trace, "trace/closest_hit.cl"},
-                                                       {Stage::trace, "trace/any_hit.cl"},
-                                                       {Stage::shade, "render/shade_surface.cl"}};
-        for (const auto& [stage, file] : files) {
-            const auto is_part = [&, at = stage](Effect effect) {
-                return concerned.has(effect) && concerns(effect, at);
-            };
-            if (!std::any_of(all_effects().begin(), all_effects().end(), is_part)) continue;
-            builds.all.push_back(times_.of(file, defines_for(effects, stage)));
-            if (stage == Stage::shade) builds.shading = builds.all.back();
-            if (std::string(file) == "trace/closest_hit.cl" && wide() && has_cutouts(effects))
-                builds.all.push_back(times_.of("trace/cutouts.cl", {{"CLARAY_WIDE", "1"}}));
+        for (const ProgramRequest& program : kernels.programs()) {
+            if (std::count(other.programs().begin(), other.programs().end(), program) != 0) continue;
+            builds.all.push_back(times_.of(program));
+            if (program.file == "render/shade_surface.cl") builds.shading = builds.all.back();
         }
         return builds;
-    }
-
-    [[nodiscard]] bool wide() const { return device_.tuning("trace/closest_hit", "WIDE") != 0; }
-    static bool has_cutouts(EffectSet effects) { return effects.has(Effect::cut_outs) || effects.has(Effect::culling); }
-
-    /// Kernels that trace are compiled for a structure; those of a wide one leave cut-outs to trace/cutouts.cl.
-    [[nodiscard]] Defines defines_for(EffectSet effects, Stage stage) const {
-        if (stage != Stage::trace) return defines_of(effects, stage);
-        return {{"CLARAY_WIDE", wide() ? "1" : "0"}, {"CLARAY_CUTOUTS", !wide() && has_cutouts(effects) ? "1" : "0"}};
     }
 
     Device device_;
@@ -256,7 +236,6 @@ private:
     BuildTimes times_;
     std::vector<double> own_times_;
     std::uint64_t own_bytes_ = 0;
-    EffectSet own_effects_;
     VariantBuilds own_builds_;
     std::vector<glm::vec3> truth_;  // the image without approximations
 };
@@ -322,29 +301,27 @@ Explanation explain(const Device& device, const Scene& scene, const RenderConfig
     Explanation explanation;
     struct Named {
         std::string name;
-        EffectSet concerned;
         Comparison comparison;
     };
     std::vector<Named> compared;  // of everything, if that is measured, and of the rows that are not fixed
-    const EffectSet everything = full_effects();
-    if (options.everything) compared.push_back({"with everything compiled in", everything, {{everything, {}}}});
+    if (options.everything) compared.push_back({"with everything compiled in", {{full_effects(), {}}}});
     for (const ExplainedEffect& row : rows) {
         if (row.fixed) continue;
         const EffectOverrides overrides =
             row.called_for ? EffectOverrides{{}, {row.effect}} : EffectOverrides{{row.effect}, {}};
         const std::string name = std::string(row.called_for ? "without " : "with ") + name_of(row.effect);
-        compared.push_back({name, {row.effect}, {overrides}});
+        compared.push_back({name, {overrides}});
     }
     std::optional<KeepCompilers> keep(std::in_place);  // while kernels are compiled
     std::vector<EffectOverrides> overrides;
     for (const Named& named : compared) {
         overrides.push_back(named.comparison.overrides);
-        explainer.expect_builds(named.comparison.overrides, named.concerned);
+        explainer.expect_builds(named.comparison.overrides);
     }
     explainer.fill_cache(overrides, approximations);
     for (Named& named : compared) {
         tell("compiling kernels", named.name);
-        explainer.prepare(named.comparison, named.concerned);
+        explainer.prepare(named.comparison);
     }
     for (const Approximations& approximate : approximations) {
         tell("compiling kernels for", to_string(approximate));

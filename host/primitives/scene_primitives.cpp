@@ -71,6 +71,7 @@ void align(std::vector<float>& words) { words.resize((words.size() + alignment -
 }  // namespace
 
 ScenePrimitives::ScenePrimitives(const Device& device, const Scene& scene) {
+    mask_ = kinds_of_primitives(scene);
     PrimitiveStore header{};
     std::vector<float> words(alignment);
     std::size_t sizes[CLARAY_PRIMITIVE_KINDS] = {};
@@ -82,7 +83,6 @@ ScenePrimitives::ScenePrimitives(const Device& device, const Scene& scene) {
         append_kind(scene, kind, words);
         sizes[kind] = words.size() - header.data[kind];
         align(words);
-        mask_ |= 1u << kind;
     }
     header.first[CLARAY_PRIMITIVE_KINDS] = next;
     const bool colored = std::any_of(scene.primitives.begin(), scene.primitives.end(),
@@ -107,6 +107,13 @@ std::uint64_t ScenePrimitives::device_bytes() const {
     std::uint64_t bytes = store_.bytes();
     for (const PrimitivesOfKind& kind : kinds_) bytes += state_of(kind.structure.bvh()).bytes();
     return bytes;
+}
+
+std::uint32_t kinds_of_primitives(const Scene& scene) {
+    std::uint32_t kinds = 0;
+    for (const PrimitiveSet& set : scene.primitives)
+        if (primitive_count(set) > 0) kinds |= 1u << std::uint32_t(set.kind);
+    return kinds;
 }
 
 std::vector<std::uint32_t> materials_of_primitives(const Scene& scene) {

@@ -21,8 +21,8 @@ public:
     [[nodiscard]] const std::vector<PrimitivesOfKind>& kinds() const { return kinds_; }
     /// A PrimitiveStore and what it tells of.
     [[nodiscard]] const Buffer<float>& store() const { return store_; }
-    /// The macro PRIMITIVES.
-    [[nodiscard]] Defines::value_type define() const { return {"PRIMITIVES", std::to_string(mask_)}; }
+    /// The macro PRIMITIVES: bits of the kinds.
+    [[nodiscard]] std::uint32_t mask() const { return mask_; }
     /// Of the store and the trees.
     [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
     /// The same, with what the buffers of the trees do not use.
@@ -35,6 +35,8 @@ private:
     std::uint64_t bytes_ = 0;
 };
 
+/// The bits of the kinds that a scene has, as ScenePrimitives::mask.
+[[nodiscard]] std::uint32_t kinds_of_primitives(const Scene& scene);
 /// For each primitive, in the order of numbers in hits, its material.
 [[nodiscard]] std::vector<std::uint32_t> materials_of_primitives(const Scene& scene);
 [[nodiscard]] std::size_t primitive_count(const Scene& scene);

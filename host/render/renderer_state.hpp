@@ -9,7 +9,6 @@
 
 #include "claray/renderer.hpp"
 #include "host/compute/device_state.hpp"
-#include "host/compute/programs/joint_program.hpp"
 #include "host/render/aovs.hpp"
 #include "host/render/checkpoint/checkpoint.hpp"
 #include "host/render/deferred/gbuffer.hpp"
@@ -23,21 +22,6 @@
 #include "host/render/wavefront.hpp"
 
 namespace claray {
-
-/// In its lifetime compiled programs are not stored on disk; slow ones are not kept in memory either.
-class QuickStart {
-public:
-    explicit QuickStart(const Device& device) : device_(device) { state_of(device_).store_programs = false; }
-    ~QuickStart() {
-        state_of(device_).store_programs = true;
-        forget_slow_programs(device_);
-    }
-    QuickStart(const QuickStart&) = delete;
-    QuickStart& operator=(const QuickStart&) = delete;
-
-private:
-    Device device_;
-};
 
 /// The user's scene, as far as it can change.
 struct SceneShape {
@@ -67,8 +51,9 @@ struct SceneShape {
 
 /// The kernel that follows whole paths, or the last ones of each batch.
 struct PathKernelChoice {
-    std::string name;  // empty: none
-    bool is_cached = false, is_loaded = false;
+    KernelRequest kernel = {};
+    KernelSet program = {};  // empty: there is none
+    bool is_cached = true, is_loaded = false;
 };
 
 /// What a render knows of the process that compiles its own kernels.
@@ -145,15 +130,20 @@ struct Checkpoints {
 struct Renderer::State {
     using Clock = std::chrono::steady_clock;
 
-    /// `baked`: see PlacedScene. `exactly`: kernels for exactly these effects.
-    State(const Device& on, const Scene& scene, const RenderConfig& with, std::size_t baked = 0,
-          std::optional<EffectSet> exactly = {});
+    /// `baked`: see PlacedScene.
+    State(const Device& on, const Scene& scene, const RenderConfig& with, std::size_t baked = 0);
 
     [[nodiscard]] std::uint32_t first_paths() const;
     [[nodiscard]] bool parts_take_turns() const;
 
     // kernels/kernel_switch.cpp
     [[nodiscard]] WavefrontKernels load_kernels(EffectSet effects) const;
+    /// Of this scene's buffers, for kernels that know these effects.
+    [[nodiscard]] StageConfig stages(EffectSet effects) const {
+        return stages_of(buffers, config.sampler, effects, config.approximate);
+    }
+    /// Of this scene, if it had these effects.
+    [[nodiscard]] SceneTraits traits(EffectSet effects) const;
     void first_pixel();
     /// Called after each batch. `sampled`: every pixel has a sample.
     void choose_kernels(bool sampled);
@@ -253,7 +243,6 @@ struct Renderer::State {
     RenderTimes time;
     SourceScene source;
     KernelPlan plan;
-    std::unique_ptr<QuickStart> quick_start;  // until the first pixel is done
     unsigned own_kernels_from = 0;
     bool own_kernels = false;
     std::optional<PathKernelChoice> path_kernel;  // once every pixel was sampled

@@ -51,9 +51,10 @@ bool host_builds(const Device& device, const Scene& scene) {
 }
 
 /// A tree of trees is replaced only if the host built it, and trees in parts never. Quick kernels know no primitives.
-KernelPlan plan_for(const Device& device, const Scene& scene, EffectSet effects, const RenderConfig& config,
-                    unsigned parts) {
-    KernelPlan plan = plan_kernels(device, effects, config);
+KernelPlan plan_for(const Device& device, const Scene& scene, const RenderConfig& config, unsigned parts) {
+    SceneTraits traits = traits_of(scene);
+    traits.is_split = parts > 1;
+    KernelPlan plan = plan_kernels(device, traits, config);
     const bool replaceable = parts == 1 && (scene.instances.empty() || host_builds(device, scene));
     if (replaceable && scene.primitives.empty()) return plan;
     return {KernelStart::own, plan.last, plan.last};
@@ -67,8 +68,10 @@ unsigned parts_of(const Device& device, const Scene& scene, const RenderConfig& 
     return triangles > 1 ? config.parts : 1;
 }
 
+/// The programs of all kernels are loaded at once.
 Structure first_structure(const Device& device, const Scene& scene, std::size_t baked, const KernelPlan& plan,
                           const Bvh::Config& config, unsigned parts) {
+    load(device, plan.first.programs);
     const bool by_host =
         plan.start == KernelStart::quick && plan.first.layout == Layout::binary && host_builds(device, scene);
     return {device, scene, baked, with_layout(config, plan.first.layout), by_host, parts};
@@ -95,14 +98,12 @@ Bvh::Config with_layout(Bvh::Config config, Layout layout) {
     return config;
 }
 
-Renderer::State::State(const Device& on, const Scene& scene, const RenderConfig& with, std::size_t baked,
-                       std::optional<EffectSet> exactly)
+Renderer::State::State(const Device& on, const Scene& scene, const RenderConfig& with, std::size_t baked) try
     : device(on),
       config(with_builder(checked(with), on, scene)),
       time{.set_up = Clock::now(), .set_up_processor = processor_seconds(), .device_before = kernel_milliseconds(on)},
       source{.camera = camera_of(scene, aspect_of(with)), .parts = parts_of(on, checked(scene), config)},
-      plan(plan_for(on, scene, exactly ? *exactly : effects_of(scene), config, source.parts)),
-      quick_start(plan.start == KernelStart::quick ? std::make_unique<QuickStart>(on) : nullptr),
+      plan(plan_for(on, scene, config, source.parts)),
       structure(first_structure(on, scene, baked, plan, config.bvh, source.parts)),
       device_time{.build = kernel_milliseconds(on) - time.device_before},
       light_grid(light_grid_of(with, scene)),
@@ -114,6 +115,9 @@ Renderer::State::State(const Device& on, const Scene& scene, const RenderConfig&
       sampling{.schedule = new_schedule(), .pace = Pace(first_paths(), wavefront.capacity()), .most_spp = with.spp} {
     for (const char* name : {trace_camera_name, trace_bounce_name, trace_shadow_name, trace_paths_name})
         device_time.of_kernels[name] = device.profiler().milliseconds(name);
+    forget_slow_programs(on);
+} catch (...) {
+    forget_slow_programs(on);
 }
 
 bool Renderer::State::parts_take_turns() const { return structure.parts() && structure.parts()->take_turns(); }

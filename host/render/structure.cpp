@@ -261,10 +261,40 @@ BvhStatistics Structure::statistics_of_triangles() const {
 
 const Device& Structure::device() const { return instanced_ ? instanced_->device() : bvh_.device(); }
 
-Defines Structure::defines() const {
-    Defines defines = {{"INSTANCES", instanced_ ? "1" : "0"}, {"INSTANCE_MOTION", moves() ? "1" : "0"}};
-    if (primitives_) defines.push_back(primitives_->define());
+Defines StructureFormat::defines() const {
+    Defines defines = {{"INSTANCES", has_instances ? "1" : "0"}, {"INSTANCE_MOTION", trees.moves ? "1" : "0"}};
+    if (primitives != 0) defines.emplace_back("PRIMITIVES", std::to_string(primitives));
     return defines;
+}
+
+/// Of instances in parts, those that rays traverse.
+StructureFormat Structure::format() const {
+    StructureFormat format;
+    format.has_instances = instanced_.has_value(), format.is_split = parts_ != nullptr;
+    const std::optional<InstancedBvh>& traced = parts_ ? parts_->parts().front().instanced : instanced_;
+    format.trees = traced ? state_of(*traced).format : format_of(bvh_);
+    if (primitives_) format.primitives = primitives_->mask();
+    return format;
+}
+
+KernelSet programs_of_query(const Device& device, const StructureFormat& structure, QueryKind kind,
+                            const QueryOptions& options, const std::string& file) {
+    KernelSet set;
+    if (structure.has_instances)
+        set.add(device, instance_kernel(structure.trees, kind, options));
+    else
+        set.add(QueryKernels(device, structure.trees, kind, options, file).programs(device));
+    if (structure.is_split) set.add(device, keeper_of_nearest(structure, kind));
+    return set;
+}
+
+KernelSet programs_of_structure(const Device& device, const StructureFormat& structure, const Bvh::Config& config) {
+    KernelSet set = programs_of_builder(device, config);
+    if (structure.is_split) set.add(device, area_sum);  // of Bvh::statistics
+    if (!structure.has_instances) return set;
+    set.add(device, InstancedBvh::State::placing());
+    set.add(programs_of_builder(device, InstancedBvh::State::config_of_top(config_of_top(config))));
+    return set;
 }
 
 void Structure::bind(Kernel& kernel, unsigned& index) const {

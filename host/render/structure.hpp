@@ -19,6 +19,28 @@ namespace claray {
 class PartsQuery;
 class SceneParts;
 
+/// What kernels depend on in the structure of a scene.
+struct StructureFormat {
+    TreeFormat trees;
+    bool has_instances = false, is_split = false;
+    std::uint32_t primitives = 0;  // bits of their kinds
+
+    bool operator==(const StructureFormat&) const = default;
+    /// Macros of kernels that read hits.
+    [[nodiscard]] Defines defines() const;
+    /// See Structure::is_one_binary_tree.
+    [[nodiscard]] bool is_one_binary_tree() const {
+        return !has_instances && !is_split && primitives == 0 && !trees.wide;
+    }
+};
+
+/// The programs of a SceneQuery, but those of primitives, which are no files of claray's. `file`: see QueryKernel.
+[[nodiscard]] KernelSet programs_of_query(const Device& device, const StructureFormat& structure, QueryKind kind,
+                                          const QueryOptions& options, const std::string& file = {});
+/// The programs that build structures, but the trees over primitives.
+[[nodiscard]] KernelSet programs_of_structure(const Device& device, const StructureFormat& structure,
+                                              const Bvh::Config& config);
+
 class Structure {
 public:
     Structure() = default;
@@ -54,9 +76,8 @@ public:
     /// Null if the scene has none.
     [[nodiscard]] const std::shared_ptr<ScenePrimitives>& primitives() const { return primitives_; }
     /// Whether kernels may traverse `bvh()`, in the binary layout, and find everything in it.
-    [[nodiscard]] bool is_one_binary_tree() const {
-        return !instanced_ && !parts_ && !primitives_ && bvh_.layout() == Layout::binary;
-    }
+    [[nodiscard]] bool is_one_binary_tree() const { return format().is_one_binary_tree(); }
+    [[nodiscard]] StructureFormat format() const;
     /// See Bvh::State::set_cutouts.
     void set_cutouts(const Buffer<std::uint32_t>& store);
     [[nodiscard]] bool moves() const { return instanced_ && instanced_->ends().allocated(); }
@@ -69,8 +90,7 @@ public:
     [[nodiscard]] std::uint32_t culled() const {
         return instanced_ || parts_ ? bottoms_.culled : state_of(bvh_).read_header().culled;
     }
-    /// Macros of kernels that read hits.
-    [[nodiscard]] Defines defines() const;
+    [[nodiscard]] Defines defines() const { return format().defines(); }
     /// Binds INSTANCE_PARAMETERS of shade/instance.clh and PRIMITIVE_PARAMETERS of shade/scene.clh.
     void bind(Kernel& kernel, unsigned& index) const;
 

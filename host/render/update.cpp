@@ -95,7 +95,7 @@ SceneShape::SceneShape(const Scene& scene, const Scene& placed, std::vector<Inst
 /// Keeps the kernels in use if they support the effects. Others are compiled in the background if that is possible.
 void Renderer::State::support(EffectSet effects) {
     if (wavefront.supports(effects, has_lights(buffers.lights))) return;
-    plan = plan_kernels(device, effects, config);
+    plan = plan_kernels(device, traits(effects), config);
     own_kernels = plan.first == plan.last;
     compiler = {};
     const Layout layout = plan.first.layout;
@@ -118,7 +118,7 @@ void Renderer::State::rebuild_scene(const Scene& scene) {
     set_bounds(scene, true);
     source.shape = SceneShape(scene, placed.scene, std::move(placed.places), std::move(placed.numbers));
     wavefront.replace_scene(buffers);
-    plan = plan_kernels(device, buffers.effects, config);
+    plan = plan_kernels(device, traits(buffers.effects), config);
     own_kernels = true;
     adopt(structure, plan.last.effects);
 }

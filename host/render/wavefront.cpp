@@ -7,6 +7,8 @@
 
 #include "host/compute/memory.hpp"
 #include "host/compute/tuning.hpp"
+#include "host/render/film/film.hpp"
+#include "host/render/guiding/path_guide.hpp"
 
 namespace claray {
 namespace {
@@ -39,10 +41,10 @@ std::uint32_t choose_capacity(const Device& device, std::uint64_t most_paths, bo
 
 void append(Defines& to, const Defines& more) { to.insert(to.end(), more.begin(), more.end()); }
 
-Defines defines_for(const SceneBuffers& scene, Sampler sampler, EffectSet effects, Stage stage) {
-    Defines defines = defines_of(effects, stage);
-    append(defines, scene.structure.defines());
-    defines.emplace_back("SAMPLER", std::to_string(std::uint32_t(sampler)));
+Defines defines_for(const StageConfig& config, Stage stage) {
+    Defines defines = defines_of(config.effects, stage);
+    append(defines, config.structure.defines());
+    defines.emplace_back("SAMPLER", std::to_string(std::uint32_t(config.sampler)));
     return defines;
 }
 
@@ -80,16 +82,6 @@ bool may_shade_sixteen(EffectSet effects) {
     return effects.has(Effect::lambert) && (effects & one_by_one).empty();
 }
 
-/// Whether each kind of material gets a kernel of its own: their compile times add up instead of multiplying, they are
-/// compiled side by side, and work-items that run together shade the same kind (Laine, Karras and Aila 2013). Generic
-/// kernels are for scenes that are not known yet.
-bool pays_to_split(const Device& device, const SceneBuffers& scene, EffectSet effects) {
-    const unsigned from = device.tuning("render/shade_surface", "SPLIT_FROM");
-    EffectSet needed;
-    for (const EffectSet shader : scene.shaders) needed = needed | shader;
-    return from > 0 && scene.shaders.size() > 1 && (effects & bsdf_effects) == needed && number_of(needed) >= from;
-}
-
 std::uint64_t with_light_grid(std::uint64_t most_paths, const WavefrontKernels& kernels) {
     return kernels.light_grid ? std::max<std::uint64_t>(most_paths, light_grid_paths) : most_paths;
 }
@@ -102,62 +94,156 @@ void for_each_batch(const GridBox& box, std::uint32_t samples, std::uint32_t cap
     for (std::uint32_t first = 0; first < all; first += most) visit(first, std::min(most, all - first));
 }
 
+/// Of the stages that shade.
+Defines defines_of_shading(const Device& device, const StageConfig& config) {
+    Defines defines = defines_for(config, Stage::shade);
+    if (config.task == PathTask::bake) defines.emplace_back("BAKE", "1");
+    if (config.task == PathTask::light_grid) defines.emplace_back("LIGHT_GRID", "1");
+    if (config.is_guided) defines.emplace_back("PATH_GUIDE", "1");
+    append(defines, defines_of(config.approximate));
+    // On CPUs the binary tree is used for a quick start, when long compilation does not pay.
+    if (config.structure.is_one_binary_tree() && may_shade_sixteen(config.effects))
+        defines.emplace_back("SIXTEEN", "0");
+    if (config.task == PathTask::sum_tiles) append(defines, macros_of_shading(device));
+    return defines;
+}
+
+bool shadow_rays_add_light(const Device& device, const StageConfig& config) {
+    return !config.approximate.no_shadows && config.structure.is_one_binary_tree() &&
+           device.tuning("render/add_light", "WITH_SHADOW_RAYS") != 0;
+}
+
+KernelsOf<LightGridKernels> kernels_of_light_grid(const StageConfig& config) {
+    Defines shading = defines_for(config, Stage::shade);
+    shading.emplace_back("LIGHT_GRID", "1");
+    return LightGridKernels::requests(defines_for(config, Stage::generate), shading);
+}
+
+KernelsOf<WavefrontKernels> kernels_of(const Device& device, const StageConfig& config) {
+    using Kernels = WavefrontKernels;
+    KernelsOf<Kernels> kernels = {{&Kernels::empty_queues, {"render/empty_queues.cl", "empty_queues", {}}}};
+    if (config.task == PathTask::bake)
+        kernels.push_back({&Kernels::generate, {"render/generate_texels.cl", "generate_texels", {}}});
+    else
+        kernels.push_back(
+            {&Kernels::generate, {"render/generate_rays.cl", "generate_rays", defines_for(config, Stage::generate)}});
+    if (config.task == PathTask::sum_tiles) return kernels;
+    if (!config.shaders.empty())
+        kernels.push_back({&Kernels::sort, {"render/sort_hits.cl", "sort_hits", config.structure.defines()}});
+    if (config.is_lit && !shadow_rays_add_light(device, config))
+        kernels.push_back({&Kernels::add_light, {"render/add_light.cl", "add_light", {}}});
+    return kernels;
+}
+
+/// One kernel for all surfaces, or one for each of the shaders.
+std::vector<KernelRequest> kernels_of_surfaces(const Device& device, const StageConfig& config) {
+    std::vector<KernelRequest> kernels;
+    const auto add = [&](const StageConfig& with) {
+        kernels.push_back({"render/shade_surface.cl", "shade_surface", defines_of_shading(device, with)});
+    };
+    if (config.task == PathTask::sum_tiles) return kernels;
+    if (config.shaders.empty()) add(config);
+    for (const EffectSet shader : config.shaders) {
+        StageConfig with = config;
+        with.effects = (config.effects - bsdf_effects) | shader;
+        add(with);
+        kernels.back().defines.emplace_back("SORTED", "1");
+    }
+    return kernels;
+}
+
+/// A query of the stages.
+struct StageQuery {
+    SceneQuery WavefrontKernels::*member;
+    const char* name;
+    QueryKind kind;
+    Coherence coherence;
+    const char* file = "";
+};
+
+std::vector<StageQuery> queries_of(const Device& device, const StageConfig& config) {
+    using Kernels = WavefrontKernels;
+    std::vector<StageQuery> queries = {
+        {&Kernels::trace_camera, trace_camera_name, QueryKind::closest, Coherence::coherent}};
+    if (config.task == PathTask::sum_tiles) return queries;
+    queries.push_back({&Kernels::trace_bounce, trace_bounce_name, QueryKind::closest, Coherence::incoherent});
+    if (config.is_lit && !config.approximate.no_shadows)
+        queries.push_back({&Kernels::trace_shadow, trace_shadow_name, QueryKind::any, Coherence::automatic,
+                           shadow_rays_add_light(device, config) ? "render/trace_shadow_rays.cl" : ""});
+    return queries;
+}
+
+QueryOptions options_of(const StageQuery& query, const StageConfig& config) {
+    QueryOptions options;
+    options.coherence = query.coherence, options.cull_back_faces = config.culls_back_faces;
+    return options;
+}
+
 }  // namespace
 
-WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, EffectSet with, PathTask task,
-                                   const Approximations& approximate)
-    : effects(with), casts_shadows(!approximate.no_shadows) {
+std::vector<EffectSet> shaders_with_kernels(const Device& device, const std::vector<EffectSet>& shaders,
+                                            EffectSet effects) {
+    const unsigned from = device.tuning("render/shade_surface", "SPLIT_FROM");
+    EffectSet needed;
+    for (const EffectSet shader : shaders) needed = needed | shader;
+    const bool pays = from > 0 && shaders.size() > 1 && number_of(needed) >= from;
+    return pays && (effects & bsdf_effects) == needed ? shaders : std::vector<EffectSet>{};
+}
+
+StageConfig stages_of(const SceneBuffers& scene, Sampler sampler, EffectSet effects,
+                      const Approximations& approximate) {
+    return {.effects = effects,
+            .sampler = sampler,
+            .task = path_task_of(approximate),
+            .approximate = approximate,
+            .structure = scene.structure.format(),
+            .culls_back_faces = scene.textures.culls_back_faces,
+            .is_lit = has_lights(scene.lights),
+            .is_guided = scene.where.guide != CLARAY_NO_TABLE,
+            .shaders = shaders_with_kernels(scene.structure.device(), scene.shaders, effects)};
+}
+
+KernelSet programs_of_queries(const Device& device, const StageConfig& config) {
+    KernelSet set;
+    for (const StageQuery& query : queries_of(device, config))
+        set.add(programs_of_query(device, config.structure, query.kind, options_of(query, config), query.file));
+    return set;
+}
+
+KernelSet programs_of_paths(const Device& device, const StageConfig& config) {
+    KernelSet set = programs_of(device, kernels_of(device, config));
+    for (const KernelRequest& kernel : kernels_of_surfaces(device, config)) set.add(device, kernel);
+    set.add(programs_of(device, Film::Kernels::requests()));
+    if (config.is_guided) set.add(PathGuide::programs(device));
+    if (config.task == PathTask::light_grid) set.add(programs_of(device, kernels_of_light_grid(config)));
+    if (config.task == PathTask::sum_tiles)
+        set.add(programs_of(device, TileSum::kernels(device, config.structure, defines_of_shading(device, config))));
+    return set;
+}
+
+KernelSet programs_of_stages(const Device& device, const StageConfig& config) {
+    KernelSet set = programs_of_paths(device, config);
+    set.add(programs_of_queries(device, config));
+    return set;
+}
+
+WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, const StageConfig& config)
+    : effects(config.effects), shaders(config.shaders), casts_shadows(!config.approximate.no_shadows) {
     const Device& device = scene.structure.device();
-    const auto defines = [&](Stage stage) { return defines_for(scene, sampler, effects, stage); };
-    QueryOptions coherent, incoherent, shadow;
-    coherent.coherence = Coherence::coherent, incoherent.coherence = Coherence::incoherent;
-    coherent.cull_back_faces = incoherent.cull_back_faces = shadow.cull_back_faces = scene.textures.culls_back_faces;
-    Defines extra;  // of shading
-    const bool baking = task == PathTask::bake;
-    const auto shading = [&](EffectSet with) {
-        Defines all = defines_for(scene, sampler, with, Stage::shade);
-        append(all, extra);
-        return all;
-    };
-    if (baking) extra.emplace_back("BAKE", "1");
-    if (task == PathTask::light_grid) {
-        extra.emplace_back("LIGHT_GRID", "1");
-        light_grid.emplace(device, defines(Stage::generate), shading(effects));
-    }
-    if (scene.where.guide != CLARAY_NO_TABLE) extra.emplace_back("PATH_GUIDE", "1");
-    append(extra, defines_of(approximate));
-    // On CPUs the binary tree is used for a quick start, when long compilation does not pay.
-    const Structure& structure = scene.structure;
-    if (structure.is_one_binary_tree() && may_shade_sixteen(effects)) extra.emplace_back("SIXTEEN", "0");
-    generate = baking ? load_kernel(device, "render/generate_texels.cl", "generate_texels")
-                      : load_kernel(device, "render/generate_rays.cl", "generate_rays", defines(Stage::generate));
-    trace_camera = SceneQuery(scene.structure, QueryKernel::Kind::closest, coherent, trace_camera_name);
-    empty_queues = load_kernel(device, "render/empty_queues.cl", "empty_queues");
-    if (task == PathTask::sum_tiles) {
-        append(extra, macros_of_shading(device));
-        tile_sum.emplace(scene, shading(effects), approximate.flat || approximate.gouraud);
+    load(device, kernels_of(device, config), *this);
+    for (const KernelRequest& kernel : kernels_of_surfaces(device, config))
+        shade.push_back(load_kernel(device, kernel));
+    for (const StageQuery& query : queries_of(device, config))
+        this->*query.member =
+            SceneQuery(scene.structure, query.kind, options_of(query, config), query.name, query.file);
+    if (config.task == PathTask::light_grid) load(device, kernels_of_light_grid(config), light_grid.emplace());
+    if (config.task == PathTask::sum_tiles) {
+        tile_sum.emplace(scene, defines_of_shading(device, config),
+                         config.approximate.flat || config.approximate.gouraud);
         return;
     }
-    trace_bounce = SceneQuery(scene.structure, QueryKernel::Kind::closest, incoherent, trace_bounce_name);
-    const auto load_shader = [&](EffectSet with) {
-        shade.push_back(load_kernel(device, "render/shade_surface.cl", "shade_surface", shading(with)));
-    };
-    if (pays_to_split(device, scene, effects)) {
-        shaders = scene.shaders;
-        sort = load_kernel(device, "render/sort_hits.cl", "sort_hits", structure.defines());
-        extra.emplace_back("SORTED", "1");
-        for (const EffectSet shader : shaders) load_shader((effects - bsdf_effects) | shader);
-    } else {
-        load_shader(effects);
-    }
-    traces_shadows = has_lights(scene.lights);
-    if (!traces_shadows) return;
-    adds_light =
-        casts_shadows && structure.is_one_binary_tree() && device.tuning("render/add_light", "WITH_SHADOW_RAYS") != 0;
-    if (casts_shadows)
-        trace_shadow = SceneQuery(structure, QueryKernel::Kind::any, shadow, trace_shadow_name,
-                                  adds_light ? "render/trace_shadow_rays.cl" : "");
-    if (!adds_light) add_light = load_kernel(device, "render/add_light.cl", "add_light");
+    traces_shadows = config.is_lit;
+    adds_light = traces_shadows && shadow_rays_add_light(device, config);
 }
 
 PathTask path_task_of(const Approximations& approximate) {
@@ -186,16 +272,14 @@ bool may_finish_paths(const SceneBuffers& scene, EffectSet effects) {
 }
 
 /// From render/trace_paths.cl or render/finish_paths.cl.
-Kernel load_path_kernel(const SceneBuffers& scene, Sampler sampler, EffectSet effects, const std::string& name,
-                        PathTask task) {
-    const Structure& structure = scene.structure;
-    Defines defines = defines_for(scene, sampler, effects, Stage::shade);
-    append(defines, defines_of(effects, Stage::generate));
-    append(defines, structure.bvh().defines());
-    append(defines, macros_of_shading(structure.device()));
-    if (task == PathTask::light_grid) defines.emplace_back("LIGHT_GRID", "1");
-    if (scene.textures.culls_back_faces) defines.emplace_back("CULL_BACK_FACES", "1");
-    return load_kernel(structure.device(), "render/" + name + ".cl", name, defines);
+KernelRequest kernel_of_paths(const Device& device, const StageConfig& config, const std::string& name) {
+    Defines defines = defines_for(config, Stage::shade);
+    append(defines, defines_of(config.effects, Stage::generate));
+    append(defines, config.structure.trees.defines());
+    append(defines, macros_of_shading(device));
+    if (config.task == PathTask::light_grid) defines.emplace_back("LIGHT_GRID", "1");
+    if (config.culls_back_faces) defines.emplace_back("CULL_BACK_FACES", "1");
+    return {"render/" + name + ".cl", name, defines};
 }
 
 Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const FrameData& frame, WavefrontKernels kernels,
@@ -238,7 +322,7 @@ void Wavefront::make_room(std::uint32_t paths) {
     const std::size_t words = moves ? CLARAY_QUEUE_WORDS : CLARAY_QUEUE_TIMES;
     for (int i = 0; i < 2; ++i) queues_[i] = {}, rays_[i] = {}, states_[i] = {}, times_[i] = {};
     hits_ = {}, radiance_ = {}, sorted_ = {};
-    if (kernels_.sort) sorted_ = Buffer<std::uint32_t>(device_, room * kernels_.shaders.size());
+    if (!kernels_.shaders.empty()) sorted_ = Buffer<std::uint32_t>(device_, room * kernels_.shaders.size());
     shadow_queue_ = {}, shadow_rays_ = {}, shadow_light_ = {}, occluded_ = {}, shadow_times_ = {};
     for (int i = 0; i < 2; ++i) {
         queues_[i] = Buffer<RayQueue>(device_, words * room);
@@ -454,8 +538,8 @@ void Wavefront::scatter(const Batch& batch, std::uint32_t depth, std::uint32_t l
         kernel.run({items, shade_group_}, step, scene_, queue_lengths_, totals_, arg("queue", queues_[in]), hits_,
                    arg("next_queue", queues_[out]), shadow_queue_, arg("radiance", radiance_), which...);
     };
-    if (!kernels_.sort) return shade(kernels_.shade[0]);
-    kernels_.sort->run({limit, 64}, step, scene_, queue_lengths_, hits_, arg("sorted", sorted_));
+    if (kernels_.shaders.empty()) return shade(kernels_.shade[0]);
+    kernels_.sort.run({limit, 64}, step, scene_, queue_lengths_, hits_, arg("sorted", sorted_));
     for (std::uint32_t i = 0; i < kernels_.shade.size(); ++i) shade(kernels_.shade[i], arg("sorted", sorted_), i);
 }
 

@@ -45,18 +45,44 @@ enum class PathTask {
 };
 [[nodiscard]] PathTask path_task_of(const Approximations& approximate);
 
-/// The stages' kernels for a set of effects, which may be larger than the scene's: effects that the scene does not have
-/// change no bit of the image.
+/// All that the stages' kernels depend on. The effects may be more than the scene's: these change no bit of the image.
+struct StageConfig {
+    EffectSet effects;
+    Sampler sampler = Sampler::sobol;
+    PathTask task = PathTask::render;
+    Approximations approximate = {};
+    StructureFormat structure = {};
+    bool culls_back_faces = false, is_lit = false, is_guided = false;
+    std::vector<EffectSet> shaders = {};  // see shaders_with_kernels
+    bool operator==(const StageConfig&) const = default;
+};
+/// The shaders of a scene if each gets a kernel of its own, else nothing. Compile times then add up instead of
+/// multiplying, programs compile side by side, and work-items that run together shade the same kind (Laine, Karras and
+/// Aila 2013). Kernels for more effects, such as the generic ones, are for scenes that are not known yet.
+[[nodiscard]] std::vector<EffectSet> shaders_with_kernels(const Device& device, const std::vector<EffectSet>& shaders,
+                                                          EffectSet effects);
+/// What follows from the scene's buffers.
+[[nodiscard]] StageConfig stages_of(const SceneBuffers& scene, Sampler sampler, EffectSet effects,
+                                    const Approximations& approximate = {});
+
+/// The programs of all stages but tracing, of the film and of a path guide.
+[[nodiscard]] KernelSet programs_of_paths(const Device& device, const StageConfig& config);
+/// The programs that trace.
+[[nodiscard]] KernelSet programs_of_queries(const Device& device, const StageConfig& config);
+/// All of these.
+[[nodiscard]] KernelSet programs_of_stages(const Device& device, const StageConfig& config);
+
+/// The stages' kernels.
 struct WavefrontKernels {
     WavefrontKernels() = default;
-    WavefrontKernels(const SceneBuffers& scene, Sampler sampler, EffectSet effects, PathTask task = PathTask::render,
-                     const Approximations& approximate = {});
+    /// `config`: of this scene.
+    WavefrontKernels(const SceneBuffers& scene, const StageConfig& config);
 
     EffectSet effects;
     Kernel generate, empty_queues;
+    Kernel sort;                     // sorts hits by shader, if there are several
     std::vector<Kernel> shade;       // one for all surfaces, or one for each of `shaders`
     std::vector<EffectSet> shaders;  // of the scene, if each has a kernel
-    std::optional<Kernel> sort;      // sorts hits by shader, if there are several
     Kernel add_light;                // unless shadow rays add their light
     bool adds_light = false;         // shadow rays add their light
     bool traces_shadows = false;
@@ -73,9 +99,8 @@ struct WavefrontKernels {
 [[nodiscard]] double path_kernel_patience(const Device& device);
 /// Returns whether the kernel that follows the last paths (render/finish_paths.cl) may pay.
 [[nodiscard]] bool may_finish_paths(const SceneBuffers& scene, EffectSet effects);
-/// Loads a kernel for `Wavefront::follow_paths` or `finish_paths`. `name`: `trace_paths_name` or `finish_paths_name`.
-[[nodiscard]] Kernel load_path_kernel(const SceneBuffers& scene, Sampler sampler, EffectSet effects,
-                                      const std::string& name, PathTask task);
+/// A kernel for `Wavefront::follow_paths` or `finish_paths`. `name`: `trace_paths_name` or `finish_paths_name`.
+[[nodiscard]] KernelRequest kernel_of_paths(const Device& device, const StageConfig& config, const std::string& name);
 
 /// Its queues take at most so large a part of the device's memory.
 constexpr std::uint64_t share_of_wavefront = 16;

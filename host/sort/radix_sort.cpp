@@ -36,27 +36,32 @@ RadixSort<Key>::RadixSort(const Device& device, std::size_t capacity, const Conf
     : config_(config), capacity_(capacity), other_keys_(device, capacity), other_values_(device, capacity) {
     if (config.onesweep && capacity >= onesweep_limit)
         throw Error(ErrorKind::user, "cannot sort " + std::to_string(capacity) + " keys: the limit is 2^30 - 1");
-    Defines defines = {{"KEY_BITS", std::to_string(8 * sizeof(Key))}};
     if (config_.onesweep) {
-        const unsigned items = items_that_fit(device, sizeof(Key), device.tuning(stage, "ITEMS"));
-        tile_ = group_size * items;
-        defines.emplace_back("ITEMS", std::to_string(items));
+        tile_ = group_size * items_that_fit(device, sizeof(Key), device.tuning(stage, "ITEMS"));
         digit_groups_ = 4 * device.info().compute_units;
         const std::size_t tiles = (capacity + tile_ - 1) / tile_;
         histogram_ = Buffer<std::uint32_t>(device, sizeof(Key) * (digits + 1 + tiles * digits));
-        count_all_ = load_kernel(device, radix_file, "count_all_digits", defines);
-        scan_ = load_kernel(device, radix_file, "scan_histogram", defines);
-        sort_digit_ = load_kernel(device, radix_file, "sort_digit", defines);
     } else {
         const unsigned units = device.info().compute_units;
         runs_ = std::max(1u, units * device.tuning(bucket_stage, "RUNS_PER_UNIT"));
         shares_ = std::max(1u, units * device.tuning(bucket_stage, "SHARES_PER_UNIT"));
         histogram_ = Buffer<std::uint32_t>(device, std::size_t(runs_) << device.tuning(bucket_stage, "BUCKET_BITS"));
-        count_buckets_ = load_kernel(device, bucket_file, "count_buckets", defines);
-        scan_buckets_ = load_kernel(device, bucket_file, "scan_buckets", defines);
-        fill_buckets_ = load_kernel(device, bucket_file, "fill_buckets", defines);
-        sort_buckets_ = load_kernel(device, bucket_file, "sort_buckets", defines);
     }
+    load(device, kernels(device, config_.onesweep), *this);
+}
+
+template <class Key>
+KernelsOf<RadixSort<Key>> RadixSort<Key>::kernels(const Device& device, bool onesweep) {
+    Defines defines = {{"KEY_BITS", std::to_string(8 * sizeof(Key))}};
+    if (!onesweep)
+        return {{&RadixSort::count_buckets_, {bucket_file, "count_buckets", defines}},
+                {&RadixSort::scan_buckets_, {bucket_file, "scan_buckets", defines}},
+                {&RadixSort::fill_buckets_, {bucket_file, "fill_buckets", defines}},
+                {&RadixSort::sort_buckets_, {bucket_file, "sort_buckets", defines}}};
+    defines.emplace_back("ITEMS", std::to_string(items_that_fit(device, sizeof(Key), device.tuning(stage, "ITEMS"))));
+    return {{&RadixSort::count_all_, {radix_file, "count_all_digits", defines}},
+            {&RadixSort::scan_, {radix_file, "scan_histogram", defines}},
+            {&RadixSort::sort_digit_, {radix_file, "sort_digit", defines}}};
 }
 
 template <class Key>

@@ -2,7 +2,7 @@
 // CPUs.
 #pragma once
 
-#include "claray/program.hpp"
+#include "host/compute/programs/kernel_set.hpp"
 
 namespace claray {
 
@@ -19,6 +19,7 @@ public:
     [[nodiscard]] static Config config_for(const Device& device);
 
     RadixSort(const Device& device, std::size_t capacity, const Config& config);
+    [[nodiscard]] static KernelsOf<RadixSort> kernels(const Device& device, bool onesweep);
 
     /// Sorts the first `count` keys; values[i] receives the former position of keys[i]. Both buffers must hold at least
     /// `count` elements; the initial content of `values` is ignored. Asynchronous.

@@ -4,9 +4,13 @@
 #include <algorithm>
 
 #include "claray/instances.hpp"
+#include "host/compute/programs/kernel_set.hpp"
 #include "host/trace/query_options.hpp"
 
 namespace claray {
+
+/// What it is compiled from. `trees`: the format of the bottom levels.
+[[nodiscard]] KernelRequest instance_kernel(const TreeFormat& trees, QueryKind kind, const QueryOptions& options);
 
 class InstanceQuery {
 public:

@@ -1,6 +1,14 @@
 #include "host/trace/instance_query.hpp"
 
+#include "host/bvh/instances_state.hpp"
+
 namespace claray {
+
+KernelRequest instance_kernel(const TreeFormat& trees, QueryKind kind, const QueryOptions& options) {
+    Defines defines = query_defines(trees.defines(), options);
+    if (options.brute_force) defines.emplace_back("EVERY_INSTANCE", "1");
+    return {"trace/instances.cl", kind == QueryKind::closest ? "closest_hit_instances" : "any_hit_instances", defines};
+}
 
 InstanceQuery::InstanceQuery(const Device& device, const InstancedBvh& bvh, Kind kind, const QueryOptions& options,
                              const std::string& name)
@@ -8,10 +16,7 @@ InstanceQuery::InstanceQuery(const Device& device, const InstancedBvh& bvh, Kind
     if (!options.filter.source.empty())
         throw Error(ErrorKind::usage, "queries of instances have no filter of hits", "filter hits of a Bvh");
     if (kind == Kind::any) options_.visits = {};
-    Defines defines = query_defines(bvh.defines(), options_);
-    if (options.brute_force) defines.emplace_back("EVERY_INSTANCE", "1");
-    kernel_ = load_kernel(device, "trace/instances.cl",
-                          kind == Kind::closest ? "closest_hit_instances" : "any_hit_instances", defines);
+    kernel_ = load_kernel(device, instance_kernel(state_of(bvh).format, kind, options_));
     if (!name.empty()) kernel_ = Kernel(device, kernel_.handle(), name);
     rays_per_item_ = std::max(1u, device.tuning("trace/instances", "RAYS_PER_ITEM"));
     group_ = device.tuning("trace/instances", "GROUP_SIZE");

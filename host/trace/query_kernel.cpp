@@ -8,6 +8,10 @@
 
 namespace claray {
 
+namespace {
+const KernelRequest order_sample = {"trace/queue/ray_order.cl", "sample_order", {}};
+}
+
 const cl::Buffer& ray_queue(const Device& device) {
     std::shared_ptr<cl::Buffer>& queue = state_of(device).ray_queue;
     if (!queue) {
@@ -17,9 +21,7 @@ const cl::Buffer& ray_queue(const Device& device) {
     return *queue;
 }
 
-Kernel load_order_sample(const Device& device) {
-    return load_kernel(device, "trace/queue/ray_order.cl", "sample_order");
-}
+Kernel load_order_sample(const Device& device) { return load_kernel(device, order_sample); }
 
 bool in_any_order(Kernel& sample, const Device& device, const Bvh& bvh, const Buffer<Ray>& rays, std::uint32_t count) {
     const cl::Buffer& queue = ray_queue(device);
@@ -29,58 +31,89 @@ bool in_any_order(Kernel& sample, const Device& device, const Bvh& bvh, const Bu
     return answer != 0;
 }
 
+namespace {
+
+std::string stem_of(QueryKind kind, const QueryOptions& options) {
+    if (options.brute_force) return "trace/brute_force";
+    return kind == QueryKind::closest ? "trace/closest_hit" : "trace/any_hit";
+}
+
+/// A batch is on the stack of the thread that traces it: larger batches, or two at once, could overflow the stack.
+std::uint32_t most_in_batch(const Device& device, const TreeFormat& tree, const std::string& stem,
+                            const QueryOptions& options) {
+    if (!tree.wide || options.brute_force || options.visits.allocated()) return 0;
+    return std::min(device.tuning(stem, "BATCH"), 8192u);
+}
+
+}  // namespace
+
+QueryKernels::QueryKernels(const Device& device, const TreeFormat& tree, QueryKind kind, const QueryOptions& options,
+                           const std::string& file) {
+    const bool closest = kind == QueryKind::closest;
+    const std::string stem = stem_of(kind, options), name = closest ? "closest_hit" : "any_hit";
+    const std::uint32_t batch = most_in_batch(device, tree, stem, options);
+    TreeFormat traced = tree;
+    if (batch != 0) traced.cutouts = false;
+    const auto add = [&](const Defines& more) {
+        Defines defines = query_defines(traced.defines(), options);
+        defines.insert(defines.end(), more.begin(), more.end());
+        trace.push_back({file.empty() ? stem + ".cl" : file, options.brute_force ? "brute_force_" + name : name,
+                         file.empty() ? defines : with_tuning(device, stem, defines)});
+    };
+    in_batches = batch != 0;
+    in_queue = !in_batches && !options.brute_force && !tree.wide && device.tuning(stem, "RAY_QUEUE") != 0;
+    if (in_batches) {
+        if (device.tuning(stem, "SORT_FROM") != 0) sample = order_sample;
+        if (tree.cutouts) {
+            Defines defines = query_defines(tree.defines(), options);
+            defines.emplace_back("GROUP_SIZE", "1");
+            defines.emplace_back("RAYS_PER_ITEM", std::to_string(std::max(1u, device.tuning(stem, "RAYS_PER_ITEM"))));
+            retrace = {"trace/cutouts.cl", closest ? "retrace_closest" : "retrace_any", defines};
+        }
+        add({{"RAY_QUEUE", "0"}, {"BATCH", std::to_string(batch)}, {"GROUP_SIZE", "1"}});
+    } else if (!in_queue) {
+        add(options.brute_force ? Defines{} : Defines{{"RAY_QUEUE", "0"}});
+    } else if (options.visits.allocated() || options.coherence == Coherence::coherent) {
+        add({{"COHERENT", "1"}});
+    } else if (!closest || options.coherence == Coherence::incoherent) {
+        add({{"COHERENT", "0"}});
+    } else {
+        add({{"COHERENT", "1"}, {"CHOOSE", "1"}});
+        add({{"COHERENT", "0"}, {"CHOOSE", "1"}});
+    }
+}
+
+KernelSet QueryKernels::programs(const Device& device) const {
+    KernelSet set;
+    for (const KernelRequest& one : trace) set.add(device, one);
+    for (const auto& one : {retrace, sample})
+        if (one) set.add(device, *one);
+    return set;
+}
+
 QueryKernel::QueryKernel(const Device& device, const Bvh& bvh, Kind kind, const QueryOptions& options,
                          const std::string& name, const std::string& file)
     : device_(device), bvh_(bvh), options_(options) {
-    const std::string query = kind == Kind::closest ? "closest_hit" : "any_hit";
-    const std::string stem = options.brute_force ? "trace/brute_force" : "trace/" + query;
-    const std::string function = options.brute_force ? "brute_force_" + query : query;
-    Defines common = query_defines(triangle_defines(bvh), options);
-    const auto load = [&](const Defines& more) {
-        Defines defines = common;
-        defines.insert(defines.end(), more.begin(), more.end());
-        const Kernel kernel = file.empty() ? load_kernel(device, stem + ".cl", function, defines)
-                                           : load_kernel(device, file, function, with_tuning(device, stem, defines));
-        kernels_.push_back(name.empty() ? kernel : Kernel(device, kernel.handle(), name));
+    require_triangles(bvh, "a query of triangles");
+    const TreeFormat tree = format_of(bvh);
+    const QueryKernels kernels(device, tree, kind, options, file);
+    const auto named = [&](const KernelRequest& request) {
+        const Kernel kernel = load_kernel(device, request);
+        return name.empty() ? kernel : Kernel(device, kernel.handle(), name);
     };
-    if (options.brute_force) {
-        load({});
-        return;
-    }
+    for (const KernelRequest& request : kernels.trace) kernels_.push_back(named(request));
+    if (kernels.retrace) retrace_ = named(*kernels.retrace);
+    if (options.brute_force) return;
+    const std::string stem = stem_of(kind, options);
     rays_per_item_ = std::max(1u, device.tuning(stem, "RAYS_PER_ITEM"));
-    group_ = device.tuning(stem, "GROUP_SIZE");
-    if (bvh.layout() == Layout::wide && !options.visits.allocated()) most_in_batch_ = device.tuning(stem, "BATCH");
-    if (most_in_batch_ != 0) {
-        // A batch is on the stack of the thread that traces it: larger batches, or two at once, could overflow the
-        // stack.
-        most_in_batch_ = std::min(most_in_batch_, 8192u), group_ = 1;
-        if (state_of(bvh).has_cutouts()) {
-            std::erase_if(common, [](const auto& define) { return define.first == "CLARAY_CUTOUTS"; });
-            Defines defines = query_defines(triangle_defines(bvh), options);
-            defines.emplace_back("GROUP_SIZE", "1");
-            defines.emplace_back("RAYS_PER_ITEM", std::to_string(rays_per_item_));
-            retrace_ = load_kernel(device, "trace/cutouts.cl",
-                                   kind == Kind::closest ? "retrace_closest" : "retrace_any", defines);
-            if (!name.empty()) retrace_ = Kernel(device, retrace_.handle(), name);
-        }
-        load({{"RAY_QUEUE", "0"}, {"BATCH", std::to_string(most_in_batch_)}, {"GROUP_SIZE", "1"}});
+    group_ = kernels.in_batches ? 1 : device.tuning(stem, "GROUP_SIZE");
+    if (kernels.in_batches) {
+        most_in_batch_ = most_in_batch(device, tree, stem, options);
         sort_from_ = device.tuning(stem, "SORT_FROM");
-        if (sort_from_ != 0) sample_ = load_order_sample(device);
-        return;
+        if (kernels.sample) sample_ = load_kernel(device, *kernels.sample);
     }
-    if (device.tuning(stem, "RAY_QUEUE") == 0 || bvh.layout() != Layout::binary) {
-        load({{"RAY_QUEUE", "0"}});
-        return;
-    }
-    most_items_ = std::max(1u, device.info().compute_units * device.tuning(stem, "GROUPS_PER_UNIT")) * group_;
-    if (options.visits.allocated() || options.coherence == Coherence::coherent) {
-        load({{"COHERENT", "1"}});
-    } else if (kind == Kind::any || options.coherence == Coherence::incoherent) {
-        load({{"COHERENT", "0"}});
-    } else {
-        load({{"COHERENT", "1"}, {"CHOOSE", "1"}});
-        load({{"COHERENT", "0"}, {"CHOOSE", "1"}});
-    }
+    if (kernels.in_queue)
+        most_items_ = std::max(1u, device.info().compute_units * device.tuning(stem, "GROUPS_PER_UNIT")) * group_;
 }
 
 Buffer<std::uint32_t> QueryKernel::order_of(const Buffer<Ray>& rays, std::uint32_t capacity,

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "host/bvh/bvh_state.hpp"
+#include "host/compute/programs/kernel_set.hpp"
 #include "host/trace/query_options.hpp"
 #include "host/trace/ray_order.hpp"
 
@@ -30,6 +31,19 @@ struct CutoutsOf {
 struct SolidBvh {
     const Bvh& bvh;
     void bind(Kernel& kernel, unsigned& index) const { state_of(bvh).bind_solid(kernel, index); }
+};
+
+/// What a query is compiled from.
+struct QueryKernels {
+    std::vector<KernelRequest> trace;      // one, or two schedules of which one traces the rays
+    std::optional<KernelRequest> retrace;  // the rays that met a cut-out
+    std::optional<KernelRequest> sample;   // their order, if it pays to sort them
+    bool in_batches = false, in_queue = false;
+
+    /// Of a tree of triangles; the other parameters are those of QueryKernel.
+    QueryKernels(const Device& device, const TreeFormat& tree, QueryKind kind, const QueryOptions& options,
+                 const std::string& file = {});
+    [[nodiscard]] KernelSet programs(const Device& device) const;
 };
 
 class QueryKernel {

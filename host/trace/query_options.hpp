@@ -2,6 +2,7 @@
 #pragma once
 
 #include "claray/query.hpp"
+#include "host/bvh/bvh_state.hpp"
 
 namespace claray {
 

@@ -122,7 +122,5 @@ struct EffectOverrides {
 /// Returns the scene without some effects, by the rules of `effects_of`: for example without normals or without lights
 /// of a kind. A material of a removed kind becomes Lambert, a lens becomes a pinhole.
 [[nodiscard]] Scene without_effects(Scene scene, EffectSet effects);
-/// Returns a simple scene that uses these effects and `lambert`: a square with lights and a camera.
-[[nodiscard]] Scene scene_calling_for(EffectSet effects);
 
 }  // namespace claray

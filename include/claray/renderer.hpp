@@ -201,8 +201,8 @@ using identifier = std::uint32_t;
 using count = std::uint32_t;
 }  // namespace aov_kinds
 
-/// Data of the first surface that is visible at each pixel's centre: `depth`, `normal`, `albedo`, `primitive` and `heat`.
-/// Each is a vector of width * height elements, row by row from the top left.
+/// Data of the first surface that is visible at each pixel's centre: `depth`, `normal`, `albedo`, `primitive` and
+/// `heat`. Each is a vector of width * height elements, row by row from the top left.
 struct Aovs {
 #define CLARAY_MEMBER(name, kind, letters, meaning) std::vector<aov_kinds::kind> name = {};
     CLARAY_AOVS(CLARAY_MEMBER)
@@ -363,7 +363,8 @@ private:
     std::shared_ptr<State> state_;
 };
 
-/// Compiles all kernels that renders of scenes with exactly these effects need, and stores them in the cache.
+/// Compiles the kernels that renders of scenes with exactly these effects need, and stores them in the cache. Those
+/// that trace primitives are compiled with their scene. Throws ErrorKind::device with the compiler's log.
 void compile_kernels(const Device& device, EffectSet effects, const RenderConfig& config = {});
 
 /// Renders the light that arrives at a point: six square images of `config.height` pixels a side, as an Environment has

@@ -10,7 +10,6 @@
 #include <thread>
 
 #include "host/base/process.hpp"
-#include "host/compute/programs/joint_program.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/process.hpp"
 
@@ -28,13 +27,15 @@ protected:
         fresh.set_tuning("compute/programs", "SIDE_BY_SIDE", 0);
         return fresh;
     }
-    static void load(const Device& on) {
-        for (const char* never_seen : {"78", "79"})
-            static_cast<void>(load_kernel(on, "render/empty_queues.cl", "empty_queues", {{"CLARAY_TEST", never_seen}}));
+    static ProgramRequest program(const char* never_seen) {
+        return {"render/empty_queues.cl", {{"CLARAY_TEST", never_seen}}};
     }
     static void compile_and_load(const Device& on) {
-        compile_side_by_side(on, [&] { load(on); });
-        load(on);
+        KernelSet set;
+        for (const char* never_seen : {"78", "79"}) set.add(program(never_seen));
+        load(on, set);
+        for (const auto& [file, defines] : set.programs())
+            static_cast<void>(load_kernel(on, file, "empty_queues", defines));
     }
     struct Counts {
         unsigned compiled, from_cache;
@@ -124,7 +125,7 @@ TEST_F(CompilerProcesses, AnswerEachProgram) {
         {CLARAY_PROGRAM, "compile", "--serve", "--device", std::to_string(device().info().index)});
     EXPECT_EQ(compiler.ask("no_such.cl\t"), "failed");
     EXPECT_EQ(compiler.ask("render/empty_queues.cl"), "done");
-    EXPECT_EQ(compiler.ask("render/empty_queues.cl\t-Dkernel=nonsense("), "failed");
+    EXPECT_EQ(compiler.ask("render/empty_queues.cl\tuint=nonsense("), "failed");
     EXPECT_FALSE(compiler.has_ended());
     AnsweringProcess none({"/bin/true"});
     EXPECT_EQ(none.ask("render/empty_queues.cl"), "");
@@ -138,11 +139,11 @@ TEST_F(CompilerProcesses, AreKept) {
     set_compiler_program(script_that_notes_calls(calls));
     {
         const KeepCompilers keep;
-        compile_in_processes(open(), {{"render/empty_queues.cl", "-DCLARAY_TEST=1"}});
-        compile_in_processes(open(), {{"render/empty_queues.cl", "-DCLARAY_TEST=2"}});
+        compile_in_processes(open(), {program("1")});
+        compile_in_processes(open(), {program("2")});
         EXPECT_EQ(lines_of(calls), 1);
     }
-    compile_in_processes(open(), {{"render/empty_queues.cl", "-DCLARAY_TEST=3"}});
+    compile_in_processes(open(), {program("3")});
     EXPECT_EQ(lines_of(calls), 2) << "it ends with the last who keeps it";
 }
 

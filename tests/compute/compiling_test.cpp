@@ -4,12 +4,16 @@
 #include <gtest/gtest.h>
 
 #include "claray/program.hpp"
-#include "host/compute/programs/joint_program.hpp"
+#include "host/compute/programs/kernel_set.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/process.hpp"
 
 namespace claray::test {
 namespace {
+
+struct Three {
+    Kernel a, b, c;
+};
 
 class CompilingIsTold : public testing::Test {
 protected:
@@ -21,16 +25,19 @@ protected:
         fresh.set_tuning("compute/programs", "SIDE_BY_SIDE", side_by_side);
         return fresh;
     }
-    static void load(const Device& on) {
-        for (const char* never_seen : {"81", "82", "83"})
-            static_cast<void>(load_kernel(on, "render/empty_queues.cl", "empty_queues", {{"CLARAY_TEST", never_seen}}));
+    static KernelsOf<Three> kernels() {
+        const auto request = [](const char* never_seen) {
+            return KernelRequest{"render/empty_queues.cl", "empty_queues", {{"CLARAY_TEST", never_seen}}};
+        };
+        return {{&Three::a, request("81")}, {&Three::b, request("82")}, {&Three::c, request("83")}};
     }
     /// What is told while three programs are compiled at once, as far as the cache lacks them.
     static std::vector<CompileProgress> told_by(const Device& on) {
         std::vector<CompileProgress> told;
         on_compiling([&](const CompileProgress& progress) { told.push_back(progress); });
-        compile_side_by_side(on, [&] { load(on); });
-        load(on);
+        Three three;
+        load(on, programs_of(on, kernels()));
+        load(on, kernels(), three);
         on_compiling({});
         return told;
     }
@@ -57,7 +64,8 @@ TEST_F(CompilingIsTold, AtOnceWithTheNumberOfAll) {
 TEST_F(CompilingIsTold, OfASingleKernel) {
     std::vector<CompileProgress> told;
     on_compiling([&](const CompileProgress& progress) { told.push_back(progress); });
-    load(open(0));
+    Three three;
+    load(open(0), kernels(), three);
     ASSERT_EQ(told.size(), 6u);
     EXPECT_EQ(told.back().done, told.back().total);
     EXPECT_EQ(told.front().done + 1, told.front().total);

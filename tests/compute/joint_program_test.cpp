@@ -12,11 +12,17 @@
 namespace claray::test {
 namespace {
 
-std::size_t joined(const std::vector<KernelRequest>& requests) { return join(requests).members.size(); }
+KernelSet set_of(const std::vector<const char*>& files, const Defines& defines) {
+    KernelSet set;
+    for (const char* file : files) set.add(device(), {file, {}, defines});
+    return set;
+}
+
+std::size_t joined(const std::vector<ProgramRequest>& requests) { return join(requests).members.size(); }
 
 TEST(JointProgram, TakesFilesThatAgree) {
-    const KernelRequest a = {"trace/closest_hit.cl", {{"CLARAY_WIDE", "0"}, {"GROUP_SIZE", "1"}}};
-    KernelRequest b = {"trace/any_hit.cl", a.defines};
+    const ProgramRequest a = {"trace/closest_hit.cl", {{"CLARAY_WIDE", "0"}, {"GROUP_SIZE", "1"}}};
+    ProgramRequest b = {"trace/any_hit.cl", a.defines};
     EXPECT_EQ(joined({a, b}), 2u);
     EXPECT_EQ(joined({a, a}), 1u) << "a file is there once";
     b.defines[0].second = "1";  // what trace/closest_hit.clh, which both include, makes of it can't be both
@@ -26,15 +32,15 @@ TEST(JointProgram, TakesFilesThatAgree) {
 }
 
 TEST(JointProgram, KnowsTheDefaultsOfHeaders) {
-    const KernelRequest a = {"trace/closest_hit.cl", {{"CLARAY_WIDE", "0"}}};
+    const ProgramRequest a = {"trace/closest_hit.cl", {{"CLARAY_WIDE", "0"}}};
     EXPECT_EQ(joined({a, {"trace/any_hit.cl", {}}}), 2u) << "0 is the default in closest_hit.clh";
     EXPECT_EQ(joined({{"trace/closest_hit.cl", {{"CLARAY_WIDE", "1"}}}, {"trace/any_hit.cl", {}}}), 1u);
     EXPECT_EQ(joined({{"trace/any_hit.cl", {}}, {"trace/closest_hit.cl", {{"CLARAY_WIDE", "1"}}}}), 1u);
 }
 
 TEST(JointProgram, GivesEachFileItsOwnMacros) {
-    const KernelRequest trace = {"trace/closest_hit.cl", {{"GROUP_SIZE", "1"}}};
-    const KernelRequest shade = {"render/shade_surface.cl", {{"GROUP_SIZE", "64"}}};
+    const ProgramRequest trace = {"trace/closest_hit.cl", {{"GROUP_SIZE", "1"}}};
+    const ProgramRequest shade = {"render/shade_surface.cl", {{"GROUP_SIZE", "64"}}};
     const JointSource joint = join({trace, shade, {"render/add_light.cl", {}}});
     ASSERT_EQ(joint.members.size(), 3u) << "no header of both mentions GROUP_SIZE";
     EXPECT_EQ(joint.source.text,
@@ -61,11 +67,8 @@ TEST(JointProgram, CompilesOnceAndServesThoseWhoAsk) {
         return load_kernel(device(), file, function, never_seen);
     };
     const unsigned before = compile_statistics().compiled;
-    compile_jointly(device(), [&] {
-        (void)load("render/resolve_film.cl", "resolve_film");
-        (void)load("render/measure_film.cl", "measure_film");
-        (void)load("render/empty_queues.cl", "empty_queues");
-    });
+    load_jointly(device(),
+                 set_of({"render/resolve_film.cl", "render/measure_film.cl", "render/empty_queues.cl"}, never_seen));
     EXPECT_EQ(compile_statistics().compiled, before + 1);
     Kernel empty_queues = load("render/empty_queues.cl", "empty_queues");
     (void)load("render/measure_film.cl", "measure_film");
@@ -73,42 +76,35 @@ TEST(JointProgram, CompilesOnceAndServesThoseWhoAsk) {
     expect_that_it_empties_queues(empty_queues);
 }
 
-TEST(SideBySide, ProgramsAreThereWhenKernelsAreLoaded) {
-    const TemporaryFolder folder;
-    const ScopedEnvironment empty("CLARAY_CACHE_DIR", folder.path().string());
-    const Defines never_seen = {{"CLARAY_TEST", "80"}};
-    const auto load = [&](const char* file, const char* function) {
-        return load_kernel(device(), file, function, never_seen);
-    };
-    const auto load_all = [&] {
-        (void)load("render/resolve_film.cl", "resolve_film");
-        (void)load("bvh/bounds.cl", "reset_header");
-        (void)load("bvh/bounds.cl", "finish_bounds");
-        (void)load("render/empty_queues.cl", "empty_queues");
-    };
-    const auto compiled = [before = compile_statistics().compiled] { return compile_statistics().compiled - before; };
-    {
-        const ScopedTuning off("compute/programs", "SIDE_BY_SIDE", 0);
-        compile_side_by_side(device(), load_all);
-        EXPECT_EQ(compiled(), 0u);
+TEST(KernelSets, AreThereWhenKernelsAreLoaded) {
+    for (const unsigned side_by_side : {0u, 1u}) {
+        const TemporaryFolder folder;
+        const ScopedEnvironment empty("CLARAY_CACHE_DIR", folder.path().string());
+        const ScopedTuning tuning("compute/programs", "SIDE_BY_SIDE", side_by_side);
+        const Defines never_seen = {{"CLARAY_TEST", std::to_string(84 + side_by_side)}};
+        KernelSet set = set_of({"render/resolve_film.cl", "bvh/bounds.cl", "render/empty_queues.cl"}, never_seen);
+        set.add(set_of({"bvh/bounds.cl"}, never_seen));
+        EXPECT_EQ(set.programs().size(), 3u) << "each once";
+        EXPECT_FALSE(are_cached(device(), set));
+        const CompileStatistics before = compile_statistics();
+        load(device(), set);
+        EXPECT_EQ(compile_statistics().compiled, before.compiled + 3);
+        EXPECT_TRUE(are_cached(device(), set));
+        for (const char* function : {"reset_header", "finish_bounds"})
+            (void)load_kernel(device(), "bvh/bounds.cl", function, never_seen);
+        Kernel empty_queues = load_kernel(device(), "render/empty_queues.cl", "empty_queues", never_seen);
+        EXPECT_EQ(compile_statistics().compiled, before.compiled + 3);
+        EXPECT_EQ(compile_statistics().from_cache, before.from_cache) << "found in memory";
+        expect_that_it_empties_queues(empty_queues);
     }
-    const ScopedTuning on("compute/programs", "SIDE_BY_SIDE", 1);
-    compile_side_by_side(device(), load_all);
-    EXPECT_EQ(compiled(), 3u);
-    const unsigned from_cache = compile_statistics().from_cache;
-    load_all();
-    Kernel empty_queues = load("render/empty_queues.cl", "empty_queues");
-    EXPECT_EQ(compiled(), 3u);
-    EXPECT_EQ(compile_statistics().from_cache, from_cache) << "found in memory";
-    expect_that_it_empties_queues(empty_queues);
 }
 
-TEST(SideBySide, WhatDoesNotCompileIsToldByWhoLoadsIt) {
-    const ScopedTuning on("compute/programs", "SIDE_BY_SIDE", 1);
-    const Defines broken = {{"luminance", "no such word"}, {"CLARAY_TEST", "81"}};
-    const auto load = [&] { (void)load_kernel(device(), "render/measure_film.cl", "measure_film", broken); };
-    compile_side_by_side(device(), load);
-    EXPECT_TRUE(throws_error(ErrorKind::device, "render/measure_film.cl", load));
+TEST(KernelSets, TellWhatDoesNotCompile) {
+    const KernelSet broken = set_of({"render/measure_film.cl"}, {{"luminance", "no such word"}});
+    for (const unsigned side_by_side : {0u, 1u}) {
+        const ScopedTuning tuning("compute/programs", "SIDE_BY_SIDE", side_by_side);
+        EXPECT_TRUE(throws_error(ErrorKind::device, "render/measure_film.cl", [&] { load(device(), broken); }));
+    }
 }
 
 TEST(JointProgram, IsForgottenWhereItIsSlow) {
@@ -119,13 +115,8 @@ TEST(JointProgram, IsForgottenWhereItIsSlow) {
     };
     for (const bool optimized : {true, false}) {
         const char* value = optimized ? "78" : "79";
-        compile_jointly(
-            device(),
-            [&] {
-                (void)empty_queues(value);
-                (void)load_kernel(device(), "render/add_light.cl", "add_light", {{"CLARAY_TEST", value}});
-            },
-            optimized);
+        load_jointly(device(), set_of({"render/empty_queues.cl", "render/add_light.cl"}, {{"CLARAY_TEST", value}}),
+                     optimized);
         const unsigned before = compile_statistics().compiled;
         Kernel kernel = empty_queues(value);
         EXPECT_EQ(compile_statistics().compiled, before);
@@ -141,10 +132,7 @@ TEST(JointProgram, LeavesErrorsToWhoAsksForTheKernel) {
     const auto load = [&](const char* file, const char* function) {
         return load_kernel(device(), file, function, broken);
     };
-    EXPECT_NO_THROW(compile_jointly(device(), [&] {
-        (void)load("render/add_light.cl", "add_light");
-        (void)load("bvh/bounds.cl", "reset_header");
-    }));
+    EXPECT_NO_THROW(load_jointly(device(), set_of({"render/add_light.cl", "bvh/bounds.cl"}, broken)));
     EXPECT_THROW((void)load("render/add_light.cl", "add_light"), Error);
     EXPECT_NO_THROW((void)load("bvh/bounds.cl", "reset_header"));
 }

@@ -11,9 +11,16 @@
 #include <chrono>
 #include <cstring>
 #include <fstream>
+#include <map>
+#include <optional>
+#include <set>
+#include <sstream>
 #include <thread>
+#include <utility>
 
 #include "host/compute/device_state.hpp"
+#include "host/compute/programs/compile_program.hpp"
+#include "host/compute/programs/program_cache.hpp"
 #include "host/render/kernels/background_compiler.hpp"
 #include "host/render/renderer_state.hpp"
 #include "tests/render/scenes.hpp"
@@ -23,53 +30,106 @@
 namespace claray::test {
 namespace {
 
-/// What is known to be cached is noted for a tuning of the device. With one that no test ever had nothing is noted,
-/// while the cache still holds the kernels that other tests compiled.
-void forget_what_is_cached(const Device& device) {
-    static auto tuning = unsigned(std::chrono::system_clock::now().time_since_epoch().count());
-    device.set_tuning("tests/kernel_choice", "RUN", tuning++);
+/// Makes the cache seem to hold programs. They are never loaded.
+void put_in_cache(const KernelSet& set) {
+    for (const ProgramRequest& program : set.programs()) {
+        const std::string options = build_options(device(), program.defines);
+        ASSERT_EQ(store_cached_program(cache_identity(device(), kernel_source(program.file), options), {1}), "");
+    }
 }
-void forget_what_is_cached() { forget_what_is_cached(device()); }
+
+/// The configuration with a compiler that does nothing and succeeds.
+RenderConfig with_compiler() {
+    RenderConfig config{.width = 40, .height = 30, .spp = 200};
+    config.compiler = "/bin/true";
+    return config;
+}
+KernelChoice own(const SceneTraits& scene) { return scene_kernels(device(), scene, with_compiler()); }
+KernelChoice generic(const SceneTraits& scene) { return generic_kernels(device(), scene, with_compiler()); }
+
+/// With an empty cache, into which nothing is compiled.
+class KernelPlans : public testing::Test {
+protected:
+    /// The kernels with which a render of the scene begins.
+    [[nodiscard]] static KernelStart start(const SceneTraits& scene) {
+        return plan_kernels(device(), scene, with_compiler()).start;
+    }
+    [[nodiscard]] static bool has_quicker(const KernelChoice& choice) { return choice.layout == Layout::wide; }
+
+    TemporaryFolder folder_;
+    ScopedEnvironment cache_{"CLARAY_CACHE_DIR", folder_.path().string()};
+};
+
+TEST_F(KernelPlans, BeginWithWhatTheCacheHolds) {
+    const SceneTraits scene = traits_of(*builtin_scene("cornell"));
+    const KernelChoice last = own(scene);
+    EXPECT_EQ(start(scene), has_quicker(last) ? KernelStart::quick : KernelStart::own);
+    put_in_cache(generic(scene).programs);
+    EXPECT_EQ(start(scene), KernelStart::generic);
+    EXPECT_EQ(plan_kernels(device(), scene, with_compiler()).last, last);
+    EXPECT_EQ(start({.effects = {Effect::lambert, Effect::sky}}), KernelStart::generic)
+        << "without lamps it needs less";
+    put_in_cache(last.programs);
+    EXPECT_EQ(start(scene), KernelStart::own);
+    // Without a compiler there is nothing to wait for.
+    EXPECT_EQ(plan_kernels(device(), {.effects = {Effect::mirror}}, RenderConfig()).start, KernelStart::own);
+}
+
+TEST_F(KernelPlans, InstancesHaveKernelsOfTheirOwn) {
+    const SceneTraits scene = traits_of(*builtin_scene("effect:instances"));
+    ASSERT_TRUE(scene.effects.has(Effect::instances));
+    SceneTraits without = scene;
+    without.effects.remove(Effect::instances);
+    const KernelChoice last = own(scene);
+    const KernelStart begin = has_quicker(last) ? KernelStart::quick : KernelStart::own;
+    EXPECT_EQ(start(scene), begin);
+    put_in_cache(generic(without).programs);
+    EXPECT_EQ(start(scene), begin) << "the generic kernels know no instances";
+    put_in_cache(own(without).programs);
+    EXPECT_EQ(start(scene), begin) << "kernels that trace one tree are not cached for trees of trees";
+    put_in_cache(last.programs);
+    EXPECT_EQ(start(scene), KernelStart::own);
+}
+
+TEST_F(KernelPlans, WhatIsTracedByCachedKernelsNeedsNoQuickOnes) {
+    const SceneTraits scene = traits_of(*builtin_scene("cornell"));
+    SceneTraits other = scene;
+    other.effects.add(Effect::mirror);  // other shading, same tracing
+    ASSERT_FALSE(scene.effects.has(Effect::mirror));
+    put_in_cache(own(other).programs);
+    EXPECT_EQ(start(scene), KernelStart::own);
+}
 
 class KernelChoices : public testing::Test {
 protected:
-    /// The configuration with a compiler that does nothing and succeeds.
-    [[nodiscard]] static RenderConfig config() {
-        RenderConfig config{.width = 40, .height = 30, .spp = 200};
-        config.compiler = "/bin/true";
-        return config;
-    }
-    [[nodiscard]] static KernelChoice own(const Scene& scene) {
-        RenderConfig here;
-        return plan_kernels(device(), effects_of(scene), here).last;
-    }
-    void SetUp() override {
-        device().set_tuning("render/wavefront", "PATHS", 1200);  // many batches
-        forget_what_is_cached();
-    }
+    void SetUp() override { device().set_tuning("render/wavefront", "PATHS", 1200); }  // many batches
     void TearDown() override { device().set_tuning("render/wavefront", "PATHS", paths_); }
 
-    /// It has no kernel in memory, and knows of none in the cache.
+    /// It has no kernel in memory.
     [[nodiscard]] static Device with_nothing_loaded() {
         Device fresh = Device::open(std::to_string(device().info().index));
         fresh.set_tuning("render/wavefront", "PATHS", 1200);
-        forget_what_is_cached(fresh);
         return fresh;
     }
 
-    /// Renders with kernels that are replaced soon after the first batch.
-    void expect_same_image(const Scene& scene, KernelStart start) {
-        Renderer renderer(device(), scene, config());
-        remember_as_cached(device(), own(scene), config());
+    /// Renders with kernels that are replaced soon after the first batch. The cache seems to hold `cached` until then.
+    void expect_same_image(const Scene& scene, KernelStart start, const KernelSet& cached = {}) {
+        RenderConfig fixed = with_compiler();
+        fixed.compiler.clear();
+        compile_kernels(with_nothing_loaded(), effects_of(scene), fixed);
+        load(device(), cached);
+        const TemporaryFolder folder;
+        std::optional<ScopedEnvironment> other(std::in_place, "CLARAY_CACHE_DIR", folder.path().string());
+        put_in_cache(cached);
+        Renderer renderer(device(), scene, with_compiler());
+        other.reset();
         renderer.render();
         const RenderStatistics statistics = renderer.statistics();
         EXPECT_EQ(statistics.start, start);
         EXPECT_GT(statistics.first_pixel_seconds, 0);
         EXPECT_TRUE(statistics.own_kernels);
         EXPECT_GT(statistics.own_kernels_from, 0u);
-        EXPECT_LT(statistics.own_kernels_from, config().spp);
-        RenderConfig fixed = config();
-        fixed.compiler.clear();
+        EXPECT_LT(statistics.own_kernels_from, with_compiler().spp);
         const std::vector<glm::vec3> changed = renderer.image(), image = render_by_own_kernels(scene, fixed);
         ASSERT_EQ(changed.size(), image.size());
         EXPECT_EQ(std::memcmp(changed.data(), image.data(), image.size() * sizeof image[0]), 0);
@@ -78,64 +138,17 @@ protected:
     unsigned paths_ = device().tuning("render/wavefront", "PATHS");
 };
 
-TEST_F(KernelChoices, BeginWithWhatTheCacheHolds) {
-    const Scene scene = *builtin_scene("cornell");
-    const EffectSet effects = effects_of(scene);
-    const KernelChoice last = own(scene);
-    const auto start = [&] { return plan_kernels(device(), effects, config()).start; };
-    const bool has_quicker = last.layout == Layout::wide;
-    EXPECT_EQ(start(), has_quicker ? KernelStart::quick : KernelStart::own);
-    remember_as_cached(device(), {full_effects(), last.layout}, config());
-    EXPECT_EQ(start(), KernelStart::generic);
-    EXPECT_EQ(plan_kernels(device(), effects, config()).last, last);
-    remember_as_cached(device(), last, config());
-    EXPECT_EQ(start(), KernelStart::own);
-    // Without a compiler there is nothing to wait for.
-    EXPECT_EQ(plan_kernels(device(), {Effect::mirror}, RenderConfig()).start, KernelStart::own);
-}
-
-TEST_F(KernelChoices, InstancesHaveKernelsOfTheirOwn) {
-    const EffectSet effects = effects_of(*builtin_scene("effect:instances"));
-    ASSERT_TRUE(effects.has(Effect::instances));
-    EffectSet without = effects;
-    without.remove(Effect::instances);
-    const KernelPlan plan = plan_kernels(device(), effects, config());
-    const bool has_quicker = plan.last.layout == Layout::wide;
-    const KernelStart begin = has_quicker ? KernelStart::quick : KernelStart::own;
-    const auto start = [&] { return plan_kernels(device(), effects, config()).start; };
-    EXPECT_EQ(start(), begin);
-    remember_as_cached(device(), {full_effects(), plan.last.layout}, config());
-    EXPECT_EQ(start(), begin) << "the generic kernels know no instances";
-    remember_as_cached(device(), {without, plan.last.layout}, config());
-    EXPECT_EQ(start(), begin) << "kernels that trace one tree are not cached for trees of trees";
-    remember_as_cached(device(), plan.last, config());
-    EXPECT_EQ(start(), KernelStart::own);
-}
-
-TEST_F(KernelChoices, WhatIsTracedByCachedKernelsNeedsNoQuickOnes) {
-    const EffectSet effects = effects_of(*builtin_scene("cornell"));
-    const KernelPlan plan = plan_kernels(device(), effects, config());
-    EffectSet others = effects;
-    others.add(Effect::mirror);  // other shading, same tracing
-    ASSERT_FALSE(effects.has(Effect::mirror));
-    remember_as_cached(device(), {others, plan.last.layout}, config());
-    EXPECT_EQ(plan_kernels(device(), effects, config()).start, KernelStart::own);
-}
-
 TEST_F(KernelChoices, GenericKernelsGiveWayWithoutASeam) {
     for (const char* name : {"cornell", "spheres"}) {
-        forget_what_is_cached();
         const Scene scene = *builtin_scene(name);
-        remember_as_cached(device(), {full_effects(), own(scene).layout}, config());
-        expect_same_image(scene, KernelStart::generic);
+        expect_same_image(scene, KernelStart::generic, generic(traits_of(scene)).programs);
     }
 }
 
 TEST_F(KernelChoices, QuickKernelsGiveWayWithoutASeam) {
     for (const char* name : {"cornell", "spheres", "effect:instances", "effect:instance-motion"}) {
-        forget_what_is_cached();
         const Scene scene = *builtin_scene(name);
-        if (own(scene).layout != Layout::wide) GTEST_SKIP() << "the device traverses the binary tree anyway";
+        if (own(traits_of(scene)).layout != Layout::wide) GTEST_SKIP() << "the device traverses the binary tree anyway";
         expect_same_image(scene, KernelStart::quick);
     }
 }
@@ -145,10 +158,12 @@ unsigned programs_loaded() { return compile_statistics().compiled + compile_stat
 
 TEST_F(KernelChoices, QuickKernelsAreOneProgramAndNeedNoBuilder) {
     const Scene scene = *builtin_scene("crate");
-    if (own(scene).layout != Layout::wide) GTEST_SKIP() << "the device traverses the binary tree anyway";
+    if (own(traits_of(scene)).layout != Layout::wide) GTEST_SKIP() << "the device traverses the binary tree anyway";
     const Device fresh = with_nothing_loaded();
+    const TemporaryFolder folder;
+    const ScopedEnvironment empty("CLARAY_CACHE_DIR", folder.path().string());
     const unsigned before = programs_loaded();
-    RenderConfig once = config();
+    RenderConfig once = with_compiler();
     once.width = 8, once.height = 6, once.spp = 1;
     Renderer renderer(fresh, scene, once);
     renderer.render();
@@ -158,14 +173,16 @@ TEST_F(KernelChoices, QuickKernelsAreOneProgramAndNeedNoBuilder) {
 
 TEST_F(KernelChoices, QuickKernelsOfManyEffectsAreOneProgramThatIsNotOptimized) {
     const Scene scene = *builtin_scene("effect:instance-motion");
-    if (own(scene).layout != Layout::wide) GTEST_SKIP() << "the device traverses the binary tree anyway";
-    RenderConfig few = config();
+    if (own(traits_of(scene)).layout != Layout::wide) GTEST_SKIP() << "the device traverses the binary tree anyway";
+    RenderConfig few = with_compiler();
     few.width = 12, few.height = 9, few.spp = 16;  // the slow kernels have no kernels to switch to
     RenderConfig many = few;
     few.compiler.clear();
     many.effects.add = full_effects();
     const Device fresh = with_nothing_loaded();
     const unsigned before = programs_loaded();
+    const TemporaryFolder folder;
+    std::optional<ScopedEnvironment> empty(std::in_place, "CLARAY_CACHE_DIR", folder.path().string());
     Renderer renderer(fresh, scene, many);
     renderer.render();
     EXPECT_EQ(programs_loaded(), before + 1);
@@ -173,6 +190,7 @@ TEST_F(KernelChoices, QuickKernelsOfManyEffectsAreOneProgramThatIsNotOptimized) 
     EXPECT_FALSE(renderer.statistics().own_kernels);
     EXPECT_GT(renderer.statistics().first_pixel_processor_seconds, 0);
     EXPECT_TRUE(state_of(fresh).slow_programs.empty());
+    empty.reset();
     const std::vector<glm::vec3> slow = renderer.image(), image = render_by_own_kernels(scene, few);
     ASSERT_EQ(slow.size(), image.size());
     EXPECT_EQ(std::memcmp(slow.data(), image.data(), image.size() * sizeof image[0]), 0);
@@ -183,7 +201,8 @@ class BackgroundCompiler : public KernelChoices {
 protected:
     BackgroundCompiler() {
         std::ofstream(script_) << "#!/bin/sh\nnice >> '" << told_.string() << "'\necho \"$@\" >> '" << told_.string()
-                               << "'\nwhile [ -d '" << folder_.path().string() << "' ] && [ ! -e '"
+                               << "'\ncat > '" << input_.string() << ".part'\nmv '" << input_.string() << ".part' '"
+                               << input_.string() << "'\nwhile [ -d '" << folder_.path().string() << "' ] && [ ! -e '"
                                << released_.string() << "' ]; do sleep 0.01; done\n";
         std::filesystem::permissions(script_, std::filesystem::perms::owner_all);
     }
@@ -192,10 +211,11 @@ protected:
         EXPECT_TRUE(becomes_true([] { return !is_compiling(); })) << "it may write to the folder";
     }
     void release() const { std::ofstream(released_) << '.'; }
-    [[nodiscard]] bool start() const { return start_compiler(script_, device(), {{Effect::mirror}, Layout::wide}, {}); }
+    [[nodiscard]] bool start() const { return start_compiler(script_, device(), {}, {}); }
     TemporaryFolder folder_;
     ScopedEnvironment cache_{"CLARAY_CACHE_DIR", folder_.path().string()};
     std::filesystem::path script_ = folder_ / "compiler", told_ = folder_ / "told", released_ = folder_ / "released";
+    std::filesystem::path input_ = folder_ / "input";
 };
 
 TEST_F(BackgroundCompiler, HasLowPriorityFromItsStart) {
@@ -342,10 +362,116 @@ TEST_F(BackgroundCompiler, IsNotWaitedForIfTimeIsShort) {
     EXPECT_EQ(waits, 0u);
 }
 
+/// With members of which its command line once told nothing.
+TEST_F(BackgroundCompiler, IsToldEveryProgramOfTheRender) {
+    RenderConfig config{.width = 16, .height = 16, .spp = 64, .sampler = Sampler::independent};
+    config.bvh.max_leaf_triangles = 1, config.bvh.split_budget = 0;
+    config.compiler = script_;
+    Renderer renderer(device(), *builtin_scene("cornell"), config);
+    const KernelPlan plan = state_of(renderer).plan;
+    if (plan.start == KernelStart::own) GTEST_SKIP() << "no kernels are quicker to compile";
+    renderer.render([](const RenderProgress&) { return false; });
+    ASSERT_TRUE(becomes_true([&] { return std::filesystem::exists(input_); }));
+    std::ifstream input(input_);
+    const KernelSet first = read_kernel_set(input), later = read_kernel_set(input);
+    EXPECT_EQ(first, plan.last.programs);
+    EXPECT_FALSE(later.programs().empty());
+    put_in_cache(first);
+    EXPECT_EQ(plan_kernels(device(), traits_of(*builtin_scene("cornell")), config).start, KernelStart::own);
+}
+
+struct ChangedConfig {
+    std::string name;
+    RenderConfig config;
+};
+
+/// One for each member, of the configurations within, too. A member that is missing here does not compile.
+std::vector<ChangedConfig> changed_configs(const std::filesystem::path& checkpoint_file) {
+    RenderConfig config{.width = 16, .height = 12, .spp = 2};
+    auto& [width, height, spp, max_depth, sample_clamp, seed, seconds, noise, error, adaptive, guide, report_seconds,
+           sampler, bvh, parts, effects, approximate, light_grid, compiler, checkpoint, checkpoint_seconds, resume] =
+        config;
+    auto& [builder, morton_bits, layout, split_budget, max_leaf_triangles, learns] = bvh;
+    auto& [add, remove] = effects;
+    auto& [tile_sum, uses_light_grid, flat, gouraud, no_shadows] = approximate;
+    auto& [voxels, side, coefficients, levels, gather, rays, updates] = light_grid;
+    side = 4, rays = 8, updates = 1;
+    std::vector<ChangedConfig> all = {{"nothing", config}};
+    const auto change = [&](const char* name, auto& member, const auto& value) {
+        const auto before = std::exchange(member, value);
+        all.push_back({name, config});
+        member = before;
+    };
+    change("width", width, 20u), change("height", height, 20u), change("spp", spp, 4u);
+    change("max_depth", max_depth, 1u), change("sample_clamp", sample_clamp, 1.f), change("seed", seed, 1u);
+    change("seconds", seconds, 1.0), change("noise", noise, 0.5), change("error", error, 0.5);
+    change("adaptive", adaptive, true), change("guide", guide, false), change("report_seconds", report_seconds, 1.0);
+    change("sampler", sampler, Sampler::independent), change("parts", parts, 2u);
+    change("bvh.builder", builder, Builder::fast), change("bvh.morton_bits", morton_bits, 30u);
+    change("bvh.layout", layout, Layout::binary), change("bvh.split_budget", split_budget, 0.0);
+    change("bvh.max_leaf_triangles", max_leaf_triangles, 1u), change("bvh.learns", learns, false);
+    change("effects.add", add, EffectSet{Effect::cut_outs});
+    change("effects.remove", remove, EffectSet{Effect::emissive_triangles});
+    change("approximate.tile_sum", tile_sum, true), change("approximate.light_grid", uses_light_grid, true);
+    change("approximate.flat", flat, true), change("approximate.gouraud", gouraud, true);
+    change("approximate.no_shadows", no_shadows, true);
+    change("light_grid.voxels", voxels, true), change("light_grid.side", side, 5u);
+    change("light_grid.coefficients", coefficients, 4u), change("light_grid.levels", levels, 2u);
+    change("light_grid.gather", gather, 1u), change("light_grid.rays", rays, 16u);
+    change("light_grid.updates", updates, 2u);
+    change("compiler", compiler, "/bin/true"), change("checkpoint_seconds", checkpoint_seconds, 1.0);
+    change("checkpoint", checkpoint, checkpoint_file), change("resume", resume, checkpoint_file);
+    return all;
+}
+
+/// Of two triangles and a lamp: the kernels of few effects.
+Scene small_scene() {
+    Scene scene;
+    scene.materials = {lambert(0.5f), emitter(1)};
+    scene.meshes = {square(1, 0), square(1, 2, 1)};
+    scene.camera = narrow_camera({0, 1, 1}, {0, 0, 0});
+    return scene;
+}
+
+std::string key_in_memory(const ProgramRequest& program, const Device& of) {
+    return claray::key_in_memory(kernel_source(program.file), build_options(of, program.defines));
+}
+
+/// Such a set is what a process in the background compiles, and what the cache is asked for.
+TEST(KernelSets, AreWhatARenderLoadsWhateverItsConfiguration) {
+    const TemporaryFolder folder;
+    const Scene scene = small_scene();
+    std::map<std::string, Device> devices;  // each knows the programs of one set
+    for (auto [name, config] : changed_configs(folder / "checkpoint")) {
+        SceneTraits traits = traits_of(without_effects(scene, config.effects.remove));
+        traits.is_split = config.parts > 1;
+        const KernelChoice choice = scene_kernels(device(), traits, config);
+        const std::string key = to_text(choice.programs);
+        if (!devices.contains(key)) devices.emplace(key, Device::open(std::to_string(device().info().index)));
+        const Device& on = devices.at(key);
+        EXPECT_EQ(plan_kernels(on, traits, config).last, choice) << name;
+        config.compiler.clear();
+        Renderer renderer(on, scene, config);
+        const Renderer::State& state = state_of(renderer);
+        EXPECT_EQ(state.plan.last, choice) << name;
+        EXPECT_TRUE(stages_for(on, traits, config, choice.effects, choice.layout) == state.stages(choice.effects))
+            << name;
+        renderer.render();
+        (void)renderer.image();
+        std::set<std::string> known;
+        for (const ProgramRequest& program : choice.programs.programs()) known.insert(key_in_memory(program, on));
+        for (const auto& [loaded, program] : state_of(on).programs)
+            EXPECT_TRUE(known.contains(loaded)) << name << loaded;
+        EXPECT_EQ(state_of(on).programs.size(), known.size()) << name;
+        std::istringstream text(to_text(choice.programs));
+        EXPECT_EQ(read_kernel_set(text), choice.programs) << name << ": as another process reads it";
+    }
+    EXPECT_GT(devices.size(), 10u) << "members on which kernels depend";
+}
+
 TEST(CompileKernels, MakesEveryKernelThatARenderNeeds) {
     const Scene scene = *builtin_scene("hills");
     RenderConfig config{.width = 8, .height = 8, .spp = 1};
-    forget_what_is_cached();
     compile_kernels(device(), effects_of(scene), config);
     const unsigned before = compile_statistics().compiled + compile_statistics().from_cache;
     (void)render_by_own_kernels(scene, config);

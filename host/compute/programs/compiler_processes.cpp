@@ -16,14 +16,12 @@
 
 #include "host/base/in_parallel.hpp"
 #include "host/base/process.hpp"
-#include "host/compute/device_state.hpp"
-#include "host/compute/programs/kernel_sources.hpp"
+#include "host/compute/programs/compile_program.hpp"
 
 namespace claray {
 namespace {
 
 std::string compiler_program;
-constexpr char separator = '\t';  // of a file and its options; neither has one
 
 /// Each process opens a context, which takes about half a gigabyte of a GPU's memory.
 unsigned most_processes(const Device& device) {
@@ -37,7 +35,7 @@ class Compilers {
 public:
     /// Waits for one of `most` processes of the device, and for its answer.
     void compile(const std::string& device, unsigned most, const ProgramRequest& program) {
-        const std::string line = program.file + separator + program.options, key = device + separator + line;
+        const std::string line = to_text(program), key = device + ' ' + line;
         std::unique_lock lock(mutex_);
         if (keys_.contains(key)) {
             changed_.wait(lock, [&] { return !keys_.contains(key); });
@@ -97,8 +95,7 @@ Compilers compilers;
 void set_compiler_program(const std::string& path) { compiler_program = path; }
 
 bool has_compiler_processes(const Device& device) {
-    return !compiler_program.empty() && state_of(device).store_programs && !has_own_kernel_sources() &&
-           most_processes(device) > 1;
+    return !compiler_program.empty() && !has_own_kernel_sources() && most_processes(device) > 1;
 }
 
 void compile_in_processes(const Device& device, const std::vector<ProgramRequest>& programs,
@@ -132,9 +129,9 @@ void serve_as_compiler(const Device& device) {
     struct stat input = {};
     if (::fstat(STDIN_FILENO, &input) == 0 && S_ISSOCK(input.st_mode)) end_with_asking_process();
     for (std::string line; std::getline(std::cin, line);) {
-        const std::size_t end = line.find(separator);
+        const ProgramRequest program = parse_program(line);
         try {
-            compile_for_cache(device, {line.substr(0, end), end == std::string::npos ? "" : line.substr(end + 1)});
+            (void)compile_program(device, kernel_source(program.file), build_options(device, program.defines));
             std::cout << "done" << std::endl;
         } catch (const Error&) {
             std::cout << "failed" << std::endl;

@@ -6,14 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "claray/device.hpp"
+#include "host/compute/programs/kernel_set.hpp"
 
 namespace claray {
-
-/// A file under kernels/ and the options of its compiler.
-struct ProgramRequest {
-    std::string file, options;
-};
 
 /// The program that compiles for this process: `claray`, which names itself. Empty (by default): there is none, and
 /// nothing is compiled in other processes. To be called before other threads begin.
@@ -37,9 +32,6 @@ public:
     KeepCompilers(const KeepCompilers&) = delete;
     KeepCompilers& operator=(const KeepCompilers&) = delete;
 };
-
-/// Compiles a program, unless it is in the cache. Throws ErrorKind::device with the compiler's log.
-void compile_for_cache(const Device& device, const ProgramRequest& program);
 
 /// Such a process: compiles the programs that it reads from standard input for the cache, until its end.
 void serve_as_compiler(const Device& device);

@@ -55,11 +55,6 @@ void on_compiling(TellCompiling tell) {
     listener = std::move(tell);
 }
 
-bool is_told_of_compiling() {
-    const std::lock_guard lock(compiling_mutex);
-    return bool(listener);
-}
-
 std::string text_of(const CompileProgress& progress) {
     return "compiling " + std::to_string(std::min(progress.done + 1, progress.total)) + " of " +
            std::to_string(progress.total) + " kernels, once for this device";

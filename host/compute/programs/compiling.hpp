@@ -5,9 +5,6 @@
 
 namespace claray {
 
-/// Whether someone asked. Only then it pays to look for all missing kernels before the first is compiled.
-[[nodiscard]] bool is_told_of_compiling();
-
 /// Kernels that are known to be missing. They count as compiled at the latest when the scope ends.
 class Compiling {
 public:

@@ -7,7 +7,7 @@ namespace claray {
 namespace {
 
 /// Empty if there is none. If a macro is given twice the compiler uses the last value.
-std::string value_of(const KernelRequest& request, const std::string& macro) {
+std::string value_of(const ProgramRequest& request, const std::string& macro) {
     for (auto define = request.defines.rbegin(); define != request.defines.rend(); ++define)
         if (define->first == macro) return define->second;
     return {};
@@ -26,7 +26,7 @@ std::string default_of(const std::vector<const KernelSource*>& headers, const st
 }
 
 /// The headers that both files include.
-std::vector<const KernelSource*> shared_headers(const KernelRequest& a, const KernelRequest& b) {
+std::vector<const KernelSource*> shared_headers(const ProgramRequest& a, const ProgramRequest& b) {
     std::vector<const KernelSource*> of_a = included_sources(kernel_source(a.file).text);
     const std::vector<const KernelSource*> of_b = included_sources(kernel_source(b.file).text);
     std::erase_if(
@@ -34,13 +34,13 @@ std::vector<const KernelSource*> shared_headers(const KernelRequest& a, const Ke
     return of_a;
 }
 
-std::set<std::string> macros_of(const KernelRequest& request) {
+std::set<std::string> macros_of(const ProgramRequest& request) {
     std::set<std::string> macros;
     for (const auto& [name, value] : request.defines) macros.insert(name);
     return macros;
 }
 
-bool can_share(const KernelRequest& a, const KernelRequest& b) {
+bool can_share(const ProgramRequest& a, const ProgramRequest& b) {
     if (a.file == b.file) return false;
     std::set<std::string> macros = macros_of(a);
     macros.merge(macros_of(b));
@@ -55,11 +55,11 @@ bool can_share(const KernelRequest& a, const KernelRequest& b) {
 
 }  // namespace
 
-JointSource join(const std::vector<KernelRequest>& requests) {
+JointSource join(const std::vector<ProgramRequest>& requests) {
     JointSource joint{{"several kernels", {}}, {}};
     std::set<std::string> defined;
-    for (const KernelRequest& request : requests) {
-        const auto fits = [&](const KernelRequest& member) { return can_share(member, request); };
+    for (const ProgramRequest& request : requests) {
+        const auto fits = [&](const ProgramRequest& member) { return can_share(member, request); };
         if (!std::all_of(joint.members.begin(), joint.members.end(), fits)) continue;
         for (const std::string& macro : defined) joint.source.text += "#undef " + macro + '\n';
         defined = macros_of(request);

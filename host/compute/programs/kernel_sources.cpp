@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <mutex>
 #include <sstream>
 #include <string_view>
@@ -178,6 +179,18 @@ bool needs(const KernelSource& source, const std::string& macro) {
     }
     return std::any_of(entry->second.begin(), entry->second.end(),
                        [&, &texts = known](const KernelSource* text) { return mentions(texts, *text, macro); });
+}
+
+std::string digest_of_texts(const KernelSource& main) {
+    static std::mutex mutex;
+    static std::map<std::string, std::string> digests;
+    const std::string key = hash128(main.text) + std::to_string(replaced);
+    const std::lock_guard lock(mutex);
+    std::string& digest = digests[key];
+    if (!digest.empty()) return digest;
+    std::string texts = main.text + '\n';
+    for (const KernelSource* source : included_sources(main.text)) texts += source->path + '\n' + source->text + '\n';
+    return digest = hash128(texts);
 }
 
 std::string with_names_apart(std::string text) {

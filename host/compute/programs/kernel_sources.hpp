@@ -34,6 +34,8 @@ void replace_kernel_source(const std::string& path, std::string text);
 
 /// The files that a text includes directly or indirectly, for any values of its macros.
 std::vector<const KernelSource*> included_sources(const std::string& text);
+/// Of a file and those. Computed once, since each look into the cache needs it.
+[[nodiscard]] std::string digest_of_texts(const KernelSource& main);
 
 /// Whether the text of one of kernel_sources() names a macro, outside of comments.
 [[nodiscard]] bool mentions(const KernelSource& source, const std::string& macro);

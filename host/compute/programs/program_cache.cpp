@@ -181,6 +181,12 @@ std::optional<std::vector<unsigned char>> load_cached_program(const std::string&
     return {};
 }
 
+bool has_cached_program(const std::string& identity) {
+    const fs::path folder = cache_folder();
+    std::error_code error;
+    return !folder.empty() && fs::exists(file_of(folder, identity), error);
+}
+
 std::string store_cached_program(const std::string& identity, const std::vector<unsigned char>& binary) {
     const fs::path folder = cache_folder();
     if (folder.empty()) return "CLARAY_CACHE_DIR, XDG_CACHE_HOME and HOME are not set";

@@ -31,6 +31,9 @@ private:
 /// is kept: an I/O error says nothing about the content (drjit-core, src/io.cpp); storing replaces it.
 std::optional<std::vector<unsigned char>> load_cached_program(const std::string& identity);
 
+/// Whether the folder has a file for it, which need not be good.
+[[nodiscard]] bool has_cached_program(const std::string& identity);
+
 /// Stores a binary by a temporary file and rename, so that readers and other writers never see a part of it. Failure is
 /// not an error: the program is compiled again next time. Returns a description of the failure, or nothing. An empty
 /// binary only tests whether storing is possible.

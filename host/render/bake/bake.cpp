@@ -64,9 +64,10 @@ std::vector<glm::vec3> radiance_of(const Device& device, const Scene& scene, con
     const auto count = std::uint32_t(texels.points.size());
     const Structure structure(device, scene, 0, config.bvh);
     const SceneBuffers buffers(device, scene, structure);
-    WavefrontKernels kernels(buffers, config.sampler, buffers.effects | EffectSet{Effect::lambert}, PathTask::bake);
-    Wavefront wavefront(device, buffers, frame_without_camera(scene, buffers, config), std::move(kernels),
-                        std::uint64_t(count) * config.spp);
+    StageConfig stages = stages_of(buffers, config.sampler, buffers.effects | EffectSet{Effect::lambert});
+    stages.task = PathTask::bake, stages.shaders = {};  // a texel is white, whatever its material
+    Wavefront wavefront(device, buffers, frame_without_camera(scene, buffers, config),
+                        WavefrontKernels(buffers, stages), std::uint64_t(count) * config.spp);
     const Buffer<Hit> points(device, texels.points);
     Film film(device, count);
     PassSchedule schedule(count, config.spp, wavefront.capacity());

@@ -37,9 +37,9 @@ Range range_of(const Device& device, std::uint32_t count, unsigned group) {
     return device.info().type == DeviceType::cpu ? Range{count, 1} : Range{count * group, group};
 }
 
-Kernel load_lister(const Device& device, const char* name, unsigned group) {
+KernelRequest lister(const Device& device, const char* name, unsigned group) {
     const bool cpu = device.info().type == DeviceType::cpu;
-    return load_kernel(device, "deferred/list_lights.cl", name, {{"GROUP_SIZE", cpu ? "1" : std::to_string(group)}});
+    return {"deferred/list_lights.cl", name, {{"GROUP_SIZE", cpu ? "1" : std::to_string(group)}}};
 }
 
 }  // namespace
@@ -47,12 +47,17 @@ Kernel load_lister(const Device& device, const char* name, unsigned group) {
 TileSum::TileSum(const SceneBuffers& scene, const Defines& shading, bool everywhere)
     : device_(scene.structure.device()),
       most_per_tile_(everywhere ? 0 : device_.tuning("deferred/list_lights", "MOST_PER_TILE")),
-      most_per_block_(everywhere ? 0 : device_.tuning("deferred/list_lights", "MOST_PER_BLOCK")),
-      bound_(load_kernel(device_, "deferred/bound_tiles.cl", "bound_tiles", scene.structure.defines())),
-      bound_lights_(load_lister(device_, "bound_lights", tile_group)),
-      list_for_blocks_(load_lister(device_, "list_lights", block_group)),
-      list_for_tiles_(load_lister(device_, "list_lights", tile_group)),
-      sum_(load_kernel(device_, "deferred/sum_lights.cl", "sum_lights", shading)) {}
+      most_per_block_(everywhere ? 0 : device_.tuning("deferred/list_lights", "MOST_PER_BLOCK")) {
+    load(device_, kernels(device_, scene.structure.format(), shading), *this);
+}
+
+KernelsOf<TileSum> TileSum::kernels(const Device& device, const StructureFormat& structure, const Defines& shading) {
+    return {{&TileSum::bound_, {"deferred/bound_tiles.cl", "bound_tiles", structure.defines()}},
+            {&TileSum::bound_lights_, lister(device, "bound_lights", tile_group)},
+            {&TileSum::list_for_blocks_, lister(device, "list_lights", block_group)},
+            {&TileSum::list_for_tiles_, lister(device, "list_lights", tile_group)},
+            {&TileSum::sum_, {"deferred/sum_lights.cl", "sum_lights", shading}}};
+}
 
 void TileSum::make_room(const TileGrid& grid) {
     boxes_.reserve(device_, tile_count(grid));

@@ -2,7 +2,6 @@
 // (kernels/deferred). Lists are made anew for each batch, so that lights and cameras may move.
 #pragma once
 
-#include "claray/program.hpp"
 #include "claray/shared/tiles.h"
 #include "host/compute/memory.hpp"
 #include "host/render/scene_buffers.hpp"
@@ -14,6 +13,9 @@ public:
     /// `shading`: defines of the stages that shade. `everywhere`: points outside a tile are lit, too; all lights are
     /// summed up for each.
     TileSum(const SceneBuffers& scene, const Defines& shading, bool everywhere);
+
+    [[nodiscard]] static KernelsOf<TileSum> kernels(const Device& device, const StructureFormat& structure,
+                                                    const Defines& shading);
 
     /// Replaces the radiance of a batch's paths. `hits`: those of the camera rays in `rays`, the first array of
     /// `queue`. Asynchronous.

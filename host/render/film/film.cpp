@@ -15,10 +15,11 @@ std::uint32_t items_for(const Device& device, std::uint32_t pixels) {
 
 }  // namespace
 
-Film::Kernels::Kernels(const Device& device)
-    : accumulate(load_kernel(device, "render/accumulate_film.cl", "accumulate_film")),
-      resolve(load_kernel(device, "render/resolve_film.cl", "resolve_film")),
-      measure(load_kernel(device, "render/measure_film.cl", "measure_film")) {}
+KernelsOf<Film::Kernels> Film::Kernels::requests() {
+    return {{&Kernels::accumulate, {"render/accumulate_film.cl", "accumulate_film", {}}},
+            {&Kernels::resolve, {"render/resolve_film.cl", "resolve_film", {}}},
+            {&Kernels::measure, {"render/measure_film.cl", "measure_film", {}}}};
+}
 
 Film::Film(const Device& device, std::uint32_t pixels, bool tells_error, float sample_clamp)
     : device_(device),

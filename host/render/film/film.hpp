@@ -8,6 +8,7 @@
 #include "claray/shared/path.h"
 #include "claray/shared/picture.h"
 #include "host/compute/memory.hpp"
+#include "host/compute/programs/kernel_set.hpp"
 #include "host/render/film/error_looks.hpp"
 
 namespace claray {
@@ -19,7 +20,8 @@ public:
     Film(const Device& device, std::uint32_t pixels, bool tells_error = false, float sample_clamp = 0);
 
     struct Kernels {
-        explicit Kernels(const Device& device);
+        explicit Kernels(const Device& device) { load(device, requests(), *this); }
+        [[nodiscard]] static KernelsOf<Kernels> requests();
         Kernel accumulate, resolve, measure;
     };
 

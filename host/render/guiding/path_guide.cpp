@@ -17,8 +17,8 @@ constexpr std::uint32_t least_guided_pixels = 1u << 14;  // of a smaller image t
 constexpr std::size_t folds = CLARAY_GUIDE_FOLDS;
 constexpr const char* stem = "render/path_guide";
 
-Kernel learning(const Device& device, const char* name) {
-    return load_kernel(device, "render/guiding/learn_light.cl", name, {{"PATH_GUIDE", "1"}});  // as shading
+KernelRequest learning(const char* name) {
+    return {"render/guiding/learn_light.cl", name, {{"PATH_GUIDE", "1"}}};  // as shading
 }
 
 /// Probabilities of a map's bins.
@@ -159,8 +159,11 @@ PathGuide::PathGuide(const Device& device, const Bounds& scene, std::uint32_t pi
     data_.scale_z = CLARAY_GUIDE_CELLS / extent.z;
 }
 
-void PathGuide::load_kernels(const Device& device) {
-    (void)learning(device, "learn_light"), (void)learning(device, "count_exponents");
+/// Both kernels are in one program.
+KernelSet PathGuide::programs(const Device& device) {
+    KernelSet set;
+    set.add(device, learning("learn_light"));
+    return set;
 }
 
 /// Batches of rounds of adaptive sampling number entries of a list; these have their first 16 samples.
@@ -215,9 +218,9 @@ void PathGuide::learn(const Batch& part, const Wavefront& wavefront) {
         counts_ = Buffer<std::uint32_t>(device_, std::vector<std::uint32_t>(CLARAY_GUIDE_EXPONENTS));
     }
     if (phase_ == unit_phase)
-        learning(device_, "count_exponents").run(size, step, every_, wavefront.radiance(), counts_);
+        load_kernel(device_, learning("count_exponents")).run(size, step, every_, wavefront.radiance(), counts_);
     else
-        learning(device_, "learn_light").run(size, step, every_, wavefront.radiance(), found_);
+        load_kernel(device_, learning("learn_light")).run(size, step, every_, wavefront.radiance(), found_);
 }
 
 /// From samples that are not added to an image.

@@ -59,8 +59,7 @@ struct GuideTrial {
 class PathGuide {
 public:
     PathGuide(const Device& device, const Bounds& scene, std::uint32_t pixels);
-    /// So that none is compiled during a render.
-    static void load_kernels(const Device& device);
+    [[nodiscard]] static KernelSet programs(const Device& device);
     /// Whether guiding is wanted, and the image has enough pixels to teach it.
     [[nodiscard]] static bool is_for(const RenderConfig& config);
 

@@ -8,13 +8,14 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <cstdio>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <thread>
 
 #include "host/base/folders.hpp"
 #include "host/base/process.hpp"
-#include "host/effects/effects.hpp"
 
 namespace claray {
 namespace {
@@ -68,36 +69,24 @@ void lower_priority_of_this_thread() {
     ::setpriority(PRIO_PROCESS, 0, std::min(::getpriority(PRIO_PROCESS, 0) + lower, lowest));
 }
 
-/// Returns its process number, or 0 if it cannot be started.
-pid_t start_in_background(const std::vector<std::string>& arguments, int lock) {
+/// Returns its process number, or 0 if it cannot be started. The text is its standard input.
+pid_t start_in_background(const std::vector<std::string>& arguments, const std::string& text, int lock) {
+    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> input(std::tmpfile(), std::fclose);
+    if (!input || std::fputs(text.c_str(), input.get()) < 0) return 0;
+    std::rewind(input.get());
+    ::fcntl(::fileno(input.get()), F_SETFD, FD_CLOEXEC);
     pid_t id = 0;
     std::thread([&] {
         lower_priority_of_this_thread();
-        id = start_silently(arguments, lock);
+        id = start_silently(arguments, lock, ::fileno(input.get()));
     }).join();
     return id;
 }
 
 }  // namespace
 
-std::vector<std::string> compiler_arguments(const Device& device, const KernelChoice& choice,
-                                            const RenderConfig& config) {
-    std::vector<std::string> arguments = {
-        "compile",          "--background",
-        "--device",         std::to_string(device.info().index),
-        "--effects",        to_string(choice.effects),
-        "--layout",         choice.layout == Layout::wide ? "wide" : "binary",
-        "--morton-bits",    std::to_string(config.bvh.morton_bits),
-        "--builder",        traits_of(config.bvh.builder).name,
-        "--leaf-triangles", std::to_string(config.bvh.max_leaf_triangles),
-        "--split-budget",   std::to_string(config.bvh.split_budget),
-        "--sampler",        config.sampler == Sampler::sobol ? "sobol" : "independent"};
-    if (config.approximate.any()) arguments.insert(arguments.end(), {"--approximate", to_string(config.approximate)});
-    return arguments;
-}
-
-bool start_compiler(const std::string& program, const Device& device, const KernelChoice& choice,
-                    const RenderConfig& config) {
+bool start_compiler(const std::string& program, const Device& device, const KernelSet& programs,
+                    const KernelSet& later) {
     const int shown = show_as_render();
     const CompilerLock lock;
     if (lock.is_busy()) {
@@ -105,9 +94,9 @@ bool start_compiler(const std::string& program, const Device& device, const Kern
         return false;
     }
     if (lock.file() < 0) return true;
-    std::vector<std::string> command = compiler_arguments(device, choice, config);
-    command.insert(command.begin(), program);
-    const pid_t id = start_in_background(command, lock.file());
+    const pid_t id =
+        start_in_background({program, "compile", "--background", "--device", std::to_string(device.info().index)},
+                            to_text(programs) + '\n' + to_text(later), lock.file());
     if (id == 0) return true;
     ++running;
     std::thread([id] {

@@ -5,25 +5,21 @@
 
 #include <mutex>
 #include <string>
-#include <vector>
 
-#include "host/render/kernels/kernel_choice.hpp"
+#include "host/compute/programs/kernel_set.hpp"
 
 namespace claray {
 
-/// Starts `claray compile` for a choice and then for the generic kernels, in a separate process that has low priority
-/// from its start. It continues after this process ends, so that the next render finds its results, but not for long
-/// (CompilerWatch). One runs at a time per cache folder: returns false if another is running; call again later. Does
-/// nothing and returns true if the program cannot be started or the cache cannot be written.
-[[nodiscard]] bool start_compiler(const std::string& program, const Device& device, const KernelChoice& choice,
-                                  const RenderConfig& config);
+/// Starts `claray compile` for these programs, then for those that can wait, in a separate process that has low
+/// priority from its start and reads both sets from its standard input. It continues after this process ends, so that
+/// the next render finds its results, but not for long (CompilerWatch). One runs at a time per cache folder: returns
+/// false if another is running; call again later. Does nothing and returns true if the program cannot be started or the
+/// cache cannot be written.
+[[nodiscard]] bool start_compiler(const std::string& program, const Device& device, const KernelSet& programs,
+                                  const KernelSet& later);
 
 /// Whether a compiler runs that this process has started.
 [[nodiscard]] bool is_compiling();
-
-/// The arguments of `claray` by which it compiles what a render with this configuration needs, and no more.
-[[nodiscard]] std::vector<std::string> compiler_arguments(const Device& device, const KernelChoice& choice,
-                                                          const RenderConfig& config);
 
 /// In such a process: tells when it must end. Renders that asked for a compiler hold `renders.lock` in the cache folder
 /// until they end, and touch it when they ask while another compiler runs. Two threads may use it.

@@ -1,88 +1,95 @@
 #include "host/render/kernels/kernel_choice.hpp"
 
-#include "host/base/hash.hpp"
-#include "host/compute/device_state.hpp"
-#include "host/compute/programs/kernel_sources.hpp"
-#include "host/compute/programs/program_cache.hpp"
 #include "host/effects/effects.hpp"
 #include "host/render/guiding/path_guide.hpp"
+#include "host/render/wavefront.hpp"
+#include "host/textures/cutouts.hpp"
+#include "host/textures/texture_use.hpp"
 
 namespace claray {
 namespace {
 
-Layout tuned_layout(const Device& device, Layout layout) {
-    if (layout != Layout::automatic) return layout;
-    return device.tuning("trace/closest_hit", "WIDE") != 0 ? Layout::wide : Layout::binary;
+constexpr EffectSet of_cutouts = {Effect::cut_outs, Effect::culling};
+
+/// As SceneBuffers and Textures find them.
+bool has_cutouts(const SceneTraits& scene, const RenderConfig& config) {
+    const bool any = !(scene.effects & of_cutouts).empty() && !scene.culls_back_faces;
+    return any || !(config.effects.add & of_cutouts).empty();
 }
 
-void remember(const Device& device, const KernelChoice& choice, const RenderConfig& config, const std::string& part) {
-    const std::string text = part + " of " + to_string(choice.effects);
-    store_cached_program(key_of_kernels(device, choice, config, part), {text.begin(), text.end()});
+/// The programs of trees and queries.
+KernelSet programs_of_tracing(const Device& device, const StageConfig& stages, const RenderConfig& config) {
+    Bvh::Config tree = config.bvh;
+    tree.builder = builder_for(tree.builder, device, stages.structure.has_instances);
+    tree.layout = stages.structure.trees.wide ? Layout::wide : Layout::binary;
+    KernelSet set = programs_of_structure(device, stages.structure, tree);
+    set.add(programs_of_queries(device, stages));
+    return set;
+}
+
+KernelChoice choice_of(const Device& device, const SceneTraits& scene, const RenderConfig& config, EffectSet effects) {
+    const Layout layout = resolve(config.bvh.layout, device);
+    const StageConfig stages = stages_for(device, scene, config, effects, layout);
+    KernelChoice choice{effects, layout, programs_of_tracing(device, stages, config)};
+    choice.programs.add(programs_of_paths(device, stages));
+    return choice;
 }
 
 }  // namespace
+
+SceneTraits traits_of(const Scene& scene) {
+    return {.effects = effects_of(scene),
+            .culls_back_faces = culls_everywhere(scene, used_materials(scene)),
+            .primitives = kinds_of_primitives(scene),
+            .shaders = shaders_of(scene)};
+}
 
 Builder builder_for(Builder builder, const Device& device, bool instanced) {
     return builder == Builder::automatic && instanced ? Builder::balanced : resolve(builder, device);
 }
 
-std::string key_of_kernels(const Device& device, const KernelChoice& choice, const RenderConfig& config,
-                           const std::string& part) {
-    const DeviceInfo& info = device.info();
-    const bool lit = !(choice.effects & sampled_lights).empty();
-    const EffectSet structure =
-        choice.effects & EffectSet{Effect::instances, Effect::instance_motion, Effect::primitives};
-    const EffectSet effects = part != "trace" ? choice.effects : structure | of_stage(choice.effects, Stage::trace);
-    const Builder builder = builder_for(config.bvh.builder, device, structure.has(Effect::instances));
-    std::string all = "renderer " + part + (lit ? " with shadows\n" : "\n") + info.platform + '\n' + info.name + '\n' +
-                      info.driver + '\n' + info.version + '\n' + hash_of_kernel_sources() + '\n';
-    for (const auto& [name, value] : state_of(device).tuning) all += name + ' ' + std::to_string(value) + '\n';
-    for (const int value : {int(choice.layout), int(config.sampler), int(builder), int(config.bvh.morton_bits),
-                            int(config.bvh.max_leaf_triangles), int(config.bvh.split_budget > 0)})
-        all += std::to_string(value) + '\n';
-    if (config.approximate.any()) all += to_string(config.approximate) + '\n';
-    if (part == "all" && may_guide_paths(device, config)) all += "guided\n";
-    return hash128(all + to_string(effects));
+StageConfig stages_for(const Device& device, const SceneTraits& scene, const RenderConfig& config, EffectSet effects,
+                       Layout layout) {
+    const bool instanced = scene.effects.has(Effect::instances);
+    return {.effects = effects,
+            .sampler = config.sampler,
+            .task = path_task_of(config.approximate),
+            .approximate = config.approximate,
+            .structure = {.trees = {.wide = layout == Layout::wide,
+                                    .moves = instanced && scene.effects.has(Effect::instance_motion),
+                                    .cutouts = has_cutouts(scene, config)},
+                          .has_instances = instanced,
+                          .is_split = scene.is_split,
+                          .primitives = scene.primitives},
+            .culls_back_faces = scene.culls_back_faces,
+            .is_lit = !(scene.effects & sampled_lights).empty(),
+            .is_guided = may_guide_paths(device, config),
+            .shaders = shaders_with_kernels(device, scene.shaders, effects)};
 }
 
-bool are_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config) {
-    return load_cached_program(key_of_kernels(device, choice, config)).has_value();
+KernelChoice scene_kernels(const Device& device, const SceneTraits& scene, const RenderConfig& config) {
+    return choice_of(device, scene, config, (scene.effects | config.effects.add) - (config.effects.remove & aids));
 }
 
-void remember_as_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config) {
-    for (const char* part : {"all", "trace"}) remember(device, choice, config, part);
+KernelChoice generic_kernels(const Device& device, const SceneTraits& scene, const RenderConfig& config) {
+    return choice_of(device, scene, config, full_effects());
 }
 
-bool is_path_kernel_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config,
-                           const std::string& name) {
-    return load_cached_program(key_of_kernels(device, choice, config, name)).has_value();
-}
-
-void remember_path_kernel_as_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config,
-                                    const std::string& name) {
-    remember(device, choice, config, name);
-}
-
-void compile_once(const Device& device, const KernelChoice& choice, const RenderConfig& config,
-                  const std::function<void()>& compile) {
-    const CacheLock lock("renderers", key_of_kernels(device, choice, config));
-    if (!are_cached(device, choice, config)) compile();
-}
-
-KernelPlan plan_kernels(const Device& device, EffectSet effects, const RenderConfig& config) {
-    const KernelChoice own = {(effects | config.effects.add) - (config.effects.remove & aids),
-                              tuned_layout(device, config.bvh.layout)};
+KernelPlan plan_kernels(const Device& device, const SceneTraits& scene, const RenderConfig& config) {
+    const KernelChoice own = scene_kernels(device, scene, config);
     KernelPlan plan{KernelStart::own, own, own};
-    if (config.compiler.empty() || are_cached(device, own, config)) return plan;
-    const KernelChoice generic = {full_effects(), own.layout};
-    const KernelChoice quick = {own.effects, config.bvh.layout == Layout::automatic ? Layout::binary : own.layout};
-    const bool can_trace = load_cached_program(key_of_kernels(device, own, config, "trace")).has_value();
+    if (config.compiler.empty() || are_cached(device, own.programs)) return plan;
+    const StageConfig stages = stages_for(device, scene, config, own.effects, own.layout);
+    const bool can_trace = are_cached(device, programs_of_tracing(device, stages, config));
+    const Layout layout = config.bvh.layout == Layout::automatic ? Layout::binary : own.layout;
+    StageConfig full = stages;
+    full.effects = full_effects(), full.shaders = {};
     // The generic kernels support neither.
-    const bool special = effects.has(Effect::instances) || effects.has(Effect::primitives);
-    if (!special && generic != own && are_cached(device, generic, config))
-        plan.start = KernelStart::generic, plan.first = generic;
-    else if (quick != own && !can_trace)
-        plan.start = KernelStart::quick, plan.first = quick;
+    const bool special = scene.effects.has(Effect::instances) || scene.effects.has(Effect::primitives);
+    if (!special && full.effects != own.effects && are_cached(device, programs_of_paths(device, full)))
+        plan.start = KernelStart::generic, plan.first = generic_kernels(device, scene, config);
+    else if (layout != own.layout && !can_trace)
+        plan.start = KernelStart::quick, plan.first = {own.effects, layout};
     return plan;
 }
 

@@ -7,15 +7,28 @@
 // effects, which are not optimized, add up lights of lists in another order: their images differ by roundings.
 #pragma once
 
-#include <functional>
-
 #include "claray/renderer.hpp"
+#include "host/compute/programs/kernel_set.hpp"
 
 namespace claray {
 
+struct StageConfig;
+
+/// What kernels depend on in a scene.
+struct SceneTraits {
+    EffectSet effects = {};
+    bool culls_back_faces = false;  // see Textures
+    std::uint32_t primitives = 0;   // bits of their kinds
+    bool is_split = false;          // into parts
+    std::vector<EffectSet> shaders = {};
+};
+[[nodiscard]] SceneTraits traits_of(const Scene& scene);
+
+/// Kernels of a render: the effects that they support, and the trees that they trace.
 struct KernelChoice {
     EffectSet effects;
     Layout layout = Layout::automatic;
+    KernelSet programs = {};  ///< without those of primitives; empty for quick kernels
     bool operator==(const KernelChoice&) const = default;
 };
 
@@ -28,26 +41,14 @@ struct KernelPlan {
 /// mesh, often many small ones, of which each takes `high` milliseconds on a GPU.
 [[nodiscard]] Builder builder_for(Builder builder, const Device& device, bool instanced);
 
-[[nodiscard]] KernelPlan plan_kernels(const Device& device, EffectSet effects, const RenderConfig& config);
+/// The stages' kernels that support these effects, over trees that the device builds in this layout.
+[[nodiscard]] StageConfig stages_for(const Device& device, const SceneTraits& scene, const RenderConfig& config,
+                                     EffectSet effects, Layout layout);
+/// The kernels of the scene's own effects.
+[[nodiscard]] KernelChoice scene_kernels(const Device& device, const SceneTraits& scene, const RenderConfig& config);
+/// Those that support all effects, for scenes without instances and primitives.
+[[nodiscard]] KernelChoice generic_kernels(const Device& device, const SceneTraits& scene, const RenderConfig& config);
 
-/// Compiles kernels unless they are cached. Another process that compiles the same kernels waits for this one.
-void compile_once(const Device& device, const KernelChoice& choice, const RenderConfig& config,
-                  const std::function<void()>& compile);
-
-/// A digest of everything that the kernels of a render depend on. `part`: "all" of them, "trace" for queries and tree,
-/// or the name of a kernel that follows paths.
-[[nodiscard]] std::string key_of_kernels(const Device& device, const KernelChoice& choice, const RenderConfig& config,
-                                         const std::string& part = "all");
-
-/// Returns whether all kernels of a render are in the cache, compiled on this machine by this claray.
-[[nodiscard]] bool are_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config);
-/// Records this, also for the tracing kernels, which other scenes share.
-void remember_as_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config);
-
-/// The same for a kernel that follows paths, which only some renders use.
-[[nodiscard]] bool is_path_kernel_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config,
-                                         const std::string& name);
-void remember_path_kernel_as_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config,
-                                    const std::string& name);
+[[nodiscard]] KernelPlan plan_kernels(const Device& device, const SceneTraits& scene, const RenderConfig& config);
 
 }  // namespace claray

@@ -20,19 +20,21 @@ constexpr std::size_t most_effects_to_optimize = 16;  // in quick kernels: PoCL 
 }  // namespace
 
 WavefrontKernels Renderer::State::load_kernels(EffectSet effects) const {
-    const PathTask task = path_task_of(config.approximate);
-    const auto load = [&] { return WavefrontKernels(buffers, config.sampler, effects, task, config.approximate); };
-    const auto load_all = [&] {
-        (void)load();
-        (void)Film::Kernels(device);
-        if (words_of_guide() > 0) PathGuide::load_kernels(device);
-    };
+    const StageConfig config_of_stages = stages(effects);
+    const KernelSet set = programs_of_stages(device, config_of_stages);
     if (!own_kernels && plan.start == KernelStart::quick)
-        compile_jointly(device, load_all, number_of(effects) <= most_effects_to_optimize);
+        load_jointly(device, set, number_of(effects) <= most_effects_to_optimize);
     else
-        compile_side_by_side(device, load_all);
-    if (words_of_guide() > 0) PathGuide::load_kernels(device);
-    return load();
+        load(device, set);
+    return {buffers, config_of_stages};
+}
+
+SceneTraits Renderer::State::traits(EffectSet effects) const {
+    return {.effects = effects,
+            .culls_back_faces = buffers.textures.culls_back_faces,
+            .primitives = structure.format().primitives,
+            .is_split = structure.parts() != nullptr,
+            .shaders = buffers.shaders};
 }
 
 /// Waits for the first pixel. Later work is not urgent.
@@ -41,22 +43,21 @@ void Renderer::State::first_pixel() {
     time.first_pixel = seconds_since(time.set_up);
     time.first_pixel_processor = processor_seconds() - time.set_up_processor;
     source.culled = structure.culled();
-    quick_start.reset();
     own_kernels = plan.first == plan.last;
-    if (own_kernels)
-        remember_as_cached(device, plan.last, config);
-    else
-        ask_for_compiler();
+    if (!own_kernels) ask_for_compiler();
 }
 
 void Renderer::State::ask_for_compiler() {
-    compiler.is_asked = start_compiler(config.compiler, device, plan.last, config);
+    KernelSet later;
+    later.add(device, area_sum);
+    later.add(generic_kernels(device, {.effects = full_effects()}, config).programs);
+    compiler.is_asked = start_compiler(config.compiler, device, plan.last.programs, later);
     compiler.last_asked = Clock::now();
 }
 
 /// Between two batches, so that no path uses two kinds of kernels, although the image would be the same.
 void Renderer::State::take_over_when_compiled() {
-    if (!are_cached(device, plan.last, config)) {
+    if (!are_cached(device, plan.last.programs)) {
         if (!compiler.is_asked && seconds_since(compiler.last_asked) >= seconds_between_asking) ask_for_compiler();
         return;
     }
@@ -112,15 +113,14 @@ bool Renderer::State::may_follow_paths() const {
 }
 
 PathKernelChoice Renderer::State::choose_path_kernel() const {
-    PathKernelChoice choice;
     const Approximations& a = config.approximate;
-    if (a.tile_sum || a.flat || a.gouraud || a.no_shadows)
-        choice.name = "";
-    else if (may_follow_paths() && wavefront.paths_are_short())
-        choice.name = trace_paths_name;
-    else if (may_finish_paths(buffers, plan.last.effects))
-        choice.name = finish_paths_name;
-    choice.is_cached = choice.name.empty() || is_path_kernel_cached(device, plan.last, config, choice.name);
+    const bool follows = may_follow_paths() && wavefront.paths_are_short();
+    if (a.tile_sum || a.flat || a.gouraud || a.no_shadows) return {};
+    if (!follows && !may_finish_paths(buffers, plan.last.effects)) return {};
+    PathKernelChoice choice;
+    choice.kernel = kernel_of_paths(device, stages(plan.last.effects), follows ? trace_paths_name : finish_paths_name);
+    choice.program.add(device, choice.kernel);
+    choice.is_cached = are_cached(device, choice.program);
     return choice;
 }
 
@@ -138,15 +138,10 @@ void Renderer::State::adopt_path_kernel(bool may_compile) {
     if (!path_kernel) path_kernel = choose_path_kernel();
     if (!path_kernel->is_cached && !may_compile) return;
     path_kernel->is_loaded = true;
-    if (path_kernel->name.empty()) return;
-    const auto load = [&] {
-        return load_path_kernel(buffers, config.sampler, plan.last.effects, path_kernel->name,
-                                path_task_of(config.approximate));
-    };
-    compile_side_by_side(device, [&] { (void)load(); });
-    Kernel kernel = load();
-    path_kernel->name == trace_paths_name ? wavefront.follow_paths(kernel) : wavefront.finish_paths(kernel);
-    remember_path_kernel_as_cached(device, plan.last, config, path_kernel->name);
+    if (path_kernel->program.programs().empty()) return;
+    load(device, path_kernel->program);
+    const Kernel kernel = load_kernel(device, path_kernel->kernel);
+    kernel.name() == trace_paths_name ? wavefront.follow_paths(kernel) : wavefront.finish_paths(kernel);
 }
 
 void Renderer::State::adopt(const Structure& other, EffectSet effects) {
@@ -158,6 +153,7 @@ void Renderer::State::adopt(const Structure& other, EffectSet effects) {
     outputs.drop_views();
     if (outputs.denoising) outputs.denoising->drop_guides();
     film.reload_kernels();
+    forget_slow_programs(device);
 }
 
 void Renderer::load_kernels() {
@@ -169,23 +165,13 @@ void Renderer::load_kernels() {
     state.warm_up();
 }
 
-void compile_kernels(const Device& device, EffectSet effects, const RenderConfig& with) {
-    RenderConfig config = with;
-    // With $POCL_WORK_GROUP_SPECIALIZATION=1 PoCL compiles a kernel once for grids of at least 2^16 items and once for
-    // smaller ones: the first bounce of these paths is of the first kind, the others are of the second.
-    config.width = config.height = 256, config.spp = 1, config.max_depth = 3;
-    config.compiler.clear();
-    const KernelChoice choice = plan_kernels(device, effects, config).last;
-    compile_once(device, choice, config, [&] {
-        Renderer::State state(device, scene_calling_for(effects), config, 0, effects);
-        state.follow_light();
-        const Batch batch = state.sampling.schedule.next();
-        state.wavefront.trace(batch);
-        state.film.accumulate(batch, state.wavefront.radiance());
-        (void)state.film.image();
-        (void)state.structure.statistics();
-        remember_as_cached(device, choice, config);
-    });
+void compile_kernels(const Device& device, EffectSet effects, const RenderConfig& config) {
+    const bool has_primitives = effects.has(Effect::primitives);
+    KernelSet set =
+        scene_kernels(device, {.effects = effects, .primitives = has_primitives ? 1u << CLARAY_SPHERES : 0u}, config)
+            .programs;
+    set.add(device, area_sum);
+    load(device, set);
 }
 
 }  // namespace claray

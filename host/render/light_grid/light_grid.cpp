@@ -52,14 +52,16 @@ std::vector<GridBox> entering(std::uint32_t level, std::uint32_t side, const std
 
 }  // namespace
 
-LightGridKernels::LightGridKernels(const Device& device, const Defines& generate, const Defines& shade)
-    : aim_probes(load_kernel(device, "light_grid/aim_probes.cl", "aim_probes", generate)),
-      gather_probes(load_kernel(device, "light_grid/gather_probes.cl", "gather_probes", generate)),
-      aim_cells(load_kernel(device, "light_grid/aim_cells.cl", "aim_cells", generate)),
-      mark_cells(load_kernel(device, "light_grid/mark_cells.cl", "mark_cells", shade)),
-      aim_voxels(load_kernel(device, "light_grid/aim_voxels.cl", "aim_voxels", generate)),
-      gather_voxels(load_kernel(device, "light_grid/gather_voxels.cl", "gather_voxels", shade)),
-      show_voxels(load_kernel(device, "light_grid/show_voxels.cl", "show_voxels", generate)) {}
+KernelsOf<LightGridKernels> LightGridKernels::requests(const Defines& generate, const Defines& shade) {
+    using Grid = LightGridKernels;
+    return {{&Grid::aim_probes, {"light_grid/aim_probes.cl", "aim_probes", generate}},
+            {&Grid::gather_probes, {"light_grid/gather_probes.cl", "gather_probes", generate}},
+            {&Grid::aim_cells, {"light_grid/aim_cells.cl", "aim_cells", generate}},
+            {&Grid::mark_cells, {"light_grid/mark_cells.cl", "mark_cells", shade}},
+            {&Grid::aim_voxels, {"light_grid/aim_voxels.cl", "aim_voxels", generate}},
+            {&Grid::gather_voxels, {"light_grid/gather_voxels.cl", "gather_voxels", shade}},
+            {&Grid::show_voxels, {"light_grid/show_voxels.cl", "show_voxels", generate}}};
+}
 
 LightGridStage::LightGridStage(const LightGridConfig& config, const Bounds& scene)
     : config_(config), scene_(scene), wanted_(config.updates) {

@@ -17,7 +17,7 @@ class Wavefront;
 /// The kernels that fill the grid.
 struct LightGridKernels {
     /// With the defines of the stages that generate rays, and of those that shade.
-    LightGridKernels(const Device& device, const Defines& generate, const Defines& shade);
+    [[nodiscard]] static KernelsOf<LightGridKernels> requests(const Defines& generate, const Defines& shade);
 
     Kernel aim_probes, gather_probes;  // light
     Kernel aim_cells, mark_cells;      // what the parts of cells see

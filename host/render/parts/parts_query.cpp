@@ -1,6 +1,13 @@
 #include "host/render/parts/parts_query.hpp"
 
+#include "host/compute/memory.hpp"
+
 namespace claray {
+
+KernelRequest keeper_of_nearest(const StructureFormat& structure, QueryKind kind) {
+    return {"render/parts/keep_nearest.cl", kind == QueryKind::closest ? "keep_nearest" : "keep_blocked",
+            structure.defines()};
+}
 
 PartsQuery::PartsQuery(const Structure& structure, QueryKernel::Kind kind, const QueryOptions& options,
                        const std::string& name)
@@ -8,8 +15,7 @@ PartsQuery::PartsQuery(const Structure& structure, QueryKernel::Kind kind, const
     for (const SceneParts::Part& part : parts_->parts())
         part.instanced ? void(of_instances_.emplace_back(*part.instanced, kind, options, name))
                        : void(of_triangles_.emplace_back(part.bvh, kind, options, name));
-    keep_ = load_kernel(structure.device(), "render/parts/keep_nearest.cl",
-                        kind == QueryKernel::Kind::closest ? "keep_nearest" : "keep_blocked", structure.defines());
+    keep_ = load_kernel(structure.device(), keeper_of_nearest(structure.format(), kind));
     if (visits_.allocated()) visits_of_all_ = Buffer<Visits>(structure.device(), visits_.size());
 }
 

@@ -6,6 +6,9 @@
 
 namespace claray {
 
+/// Keeps the nearest hits of all parts, or whether any part blocks.
+[[nodiscard]] KernelRequest keeper_of_nearest(const StructureFormat& structure, QueryKind kind);
+
 class PartsQuery {
 public:
     /// As SceneQuery.
