@@ -186,7 +186,7 @@ std::vector<EffectSet> shaders_with_kernels(const Device& device, const std::vec
     const unsigned from = device.tuning("render/shade_surface", "SPLIT_FROM");
     EffectSet needed;
     for (const EffectSet shader : shaders) needed = needed | shader;
-    const bool pays = from > 0 && shaders.size() > 1 && number_of(needed) >= from;
+    const bool pays = from > 0 && shaders.size() > 1 && number_of(of_stage(effects, Stage::shade)) >= from;
     return pays && (effects & bsdf_effects) == needed ? shaders : std::vector<EffectSet>{};
 }
 
