@@ -1,4 +1,5 @@
 // The stage between two traces: shades hits (shade_hit.clh).
+#include "claray/shared/lists/effects.h"
 #include "render/queue.clh"
 #include "render/shade_hit.clh"
 
@@ -14,10 +15,18 @@
 
 /// 1: hits are shaded in groups, one stage after the other. Without optimization PoCL takes minutes to compile this.
 #define SHADE_GROUPS (CLARAY_CPU && !CLARAY_UNOPTIMIZED)
+/// Turn rows of CLARAY_EFFECTS into terms of conditions: the scene has an effect without that form for sixteen rays.
+#define CLARAY_NOT_SHADED(name, text, MACRO, bit, stages, lanes) || (!((lanes) & CLARAY_LANES_SHADE) && MACRO)
+#define CLARAY_NOT_LISTED(name, text, MACRO, bit, stages, lanes) || (!((lanes) & CLARAY_LANES_LISTS) && MACRO)
+#define CLARAY_OF_KIND(name, NAME, text, far, cone, rough)
+#define CLARAY_OF_LIGHT(name, NAME, text, far, cone)
+#define EFFECTS_WITHOUT_LANES(TERM) (0 CLARAY_EFFECTS(TERM, CLARAY_OF_KIND, CLARAY_OF_LIGHT, CLARAY_OF_KIND))
+/// 1: surfaces have their own materials and their own points are lit.
+#define PLAIN_TASK (!BAKE && !SHADING)
 /// 1: shade_sixteen.clh shades the hits of plain materials; all hits, if there are no other materials.
-#define PLAIN_IN_LANES                                                                                                     \
-    (SIXTEEN && CLARAY_CPU && USES(CLARAY_LAMBERT) && !TEXTURES && !MIPMAPS && !INSTANCES && !PRIMITIVES && !BAKE && !SHADING && \
-     !VERTEX_COLORS && !NESTED_MEDIA && LIGHT_KINDS_USED == POINT_LIGHTS && !LIGHT_FALLOFF && !LISTED_LIGHTS && !(TRIANGLE_LIGHTS && POINT_LIGHTS))
+#define PLAIN_IN_LANES                                                                                                       \
+    (SIXTEEN && CLARAY_CPU && USES(CLARAY_LAMBERT) && PLAIN_TASK && LIGHT_KINDS_USED == POINT_LIGHTS && \
+     !(TRIANGLE_LIGHTS && POINT_LIGHTS) && !EFFECTS_WITHOUT_LANES(CLARAY_NOT_SHADED))
 #define SHADE_SIXTEEN (PLAIN_IN_LANES && MATERIALS == 1u << CLARAY_LAMBERT)
 #define SHADE_MIXED (PLAIN_IN_LANES && SHADE_GROUPS && !SHADE_SIXTEEN)
 #if SHADE_SIXTEEN || SHADE_MIXED
@@ -29,7 +38,7 @@
 #include "shade/surface_sixteen.clh"
 #endif
 /// 1: surfaces of plain materials that no path leaves are found by vectors.
-#if SHADE_GROUPS && LISTED_LIGHTS && !TEXTURES && !INSTANCES && !VERTEX_COLORS && !ABSORPTION && !NESTED_MEDIA && !AMBIENT && !BAKE && !SHADING && !LIGHT_GRID
+#if SHADE_GROUPS && LISTED_LIGHTS && PLAIN_TASK && !AMBIENT && !LIGHT_GRID && !EFFECTS_WITHOUT_LANES(CLARAY_NOT_LISTED)
 #define PLAIN_SIXTEEN USES(CLARAY_LAMBERT)
 #else
 #define PLAIN_SIXTEEN 0

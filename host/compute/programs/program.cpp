@@ -15,6 +15,7 @@
 #include "host/compute/programs/build_report.hpp"
 #include "host/compute/programs/compiler_processes.hpp"
 #include "host/compute/programs/compiling.hpp"
+#include "host/compute/programs/effect_macros.hpp"
 #include "host/compute/programs/joint_program.hpp"
 #include "host/compute/programs/kernel_sources.hpp"
 #include "host/compute/programs/program_cache.hpp"
@@ -338,6 +339,7 @@ Defines macros_of(const Device& device, const std::string& file, const Defines& 
     const KernelSource& main = kernel_source(file);
     std::erase_if(macros,
                   [&](const auto& macro) { return !macro.first.starts_with("CLARAY_") && !needs(main, macro.first); });
+    add_effect_macros(macros, [&](const std::string& macro) { return needs(main, macro); });
     return macros;
 }
 
@@ -595,7 +597,13 @@ void forget_slow_programs(const Device& device) {
 
 Kernel compile_kernel(const Device& device, const std::string& source, const std::string& function,
                       const Defines& defines, Math math, const std::string& name) {
-    Kernel kernel = kernel_of(device, {name, source}, function, defines, math, true);
+    const std::vector<const KernelSource*> headers = included_sources(source);
+    Defines all = defines;
+    add_effect_macros(all, [&](const std::string& macro) {
+        return std::any_of(headers.begin(), headers.end(),
+                           [&](const KernelSource* header) { return mentions(*header, macro); });
+    });
+    Kernel kernel = kernel_of(device, {name, source}, function, all, math, true);
     kernel.remember(defines);
     return kernel;
 }
