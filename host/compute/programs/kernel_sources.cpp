@@ -34,8 +34,9 @@ std::string with_guard(const std::string& path, std::string text) {
     const std::size_t at = text.find(once);
     if (at == std::string::npos) return text;
     std::string guard = "CLARAY_ONCE_" + path;
-    std::replace_if(guard.begin(), guard.end(), [](char c) { return !is_part_of_name(c); }, '_');
-    return text.replace(at, once.size(), "#ifndef " + guard + '\n') + "#define " + guard + "\n#endif\n";
+    std::replace_if(
+        guard.begin(), guard.end(), [](char c) { return !is_part_of_name(c); }, '_');
+    return text.replace(at, once.size(), "#ifndef " + guard + '\n') + "\n#define " + guard + "\n#endif\n";
 }
 
 std::vector<KernelSource> with_guards(std::vector<KernelSource> sources) {
