@@ -47,9 +47,7 @@
 /// Rays that an item shades together, and for which it reserves room in the queues at once on CPUs. One atomic operation per ray,
 /// on a counter and on cache lines of queues that two cores share, took a third of the time of shading.
 #define SLOTS_AT_ONCE 16u
-#ifndef STRIP_ROWS
 #define STRIP_ROWS 32u
-#endif
 
 typedef struct ShadedRay {
     NextRay next;
@@ -64,24 +62,16 @@ static inline void add_gathered(float3 gathered, uint path, global float* radian
 
 /// Notes for the path guide where a path goes.
 static inline void note_next(const Step* step, uint path, const NextRay* next, global float* radiance) {
-#if PATH_GUIDE
-    if (teaches(&step->frame, step->depth)) note_bin(step, path, next->wanted ? next->bin : ENDS_HERE, throughput_of(next->state), radiance);
-#endif
+    if (PATH_GUIDE && teaches(&step->frame, step->depth))
+        note_bin(step, path, next->wanted ? next->bin : ENDS_HERE, throughput_of(next->state), radiance);
 }
 
 static inline float time_in_queue(global RayQueue* queue, uint room, uint i) {
-#if INSTANCE_MOTION
-    return times_of_queue(queue, room)[i];
-#else
-    return 0.0f;
-#endif
+    return INSTANCE_MOTION ? times_of_queue(queue, room)[i] : 0.0f;
 }
 
 static inline RayCone cone_of_ray(const FrameData* frame, uint depth, global RayQueue* queue, uint room, uint i) {
-#if MIPMAPS
-    if (depth != 0) return cones_of_queue(queue, room)[i];
-#endif
-    return camera_cone(frame);
+    return MIPMAPS && depth != 0 ? cones_of_queue(queue, room)[i] : camera_cone(frame);
 }
 
 #if SHADE_GROUPS
@@ -115,7 +105,6 @@ static inline void draw_samples16(const Step* step, uint first, uint end, bool p
     }
 }
 
-#if LISTED_LIGHTS
 /// Keeps a surface that asks the lists for a light.
 static inline void keep_listed(const ShadingPoint* at, float random, HitGroup* group, uint k) {
     float3 from;
@@ -196,9 +185,7 @@ static inline void pick_lights16(const Lights* lights, HitGroup* group, ShadedRa
         shaded[k].shadow.ray = make_ray(lane_vector16(&group->lanes, ROW_LIST_FROM, k), lane_vector16(&seen, ROW_TOWARDS_LISTED, k), 1.0f);
     }
 }
-#endif
 
-#if ENVIRONMENT
 /// Gathers the light of the lanes of a mask that met nothing, and returns these lanes. Texels are requested for all of them before one is
 /// used, and those of the others' light samples, if wanted: a large image is not in the cache.
 static inline uint see_environment16(const FrameData* frame, const Lights* lights, global const SceneHit* hits, const uint* rays, uint lanes,
@@ -225,7 +212,6 @@ static inline uint see_environment16(const FrameData* frame, const Lights* light
     }
     return misses;
 }
-#endif
 
 /// Shades the `count` rays of the queue with the numbers `rays`, at most 16.
 static CLARAY_OUTLINED void shade_rays16(const Step* step, SCENE_PARAMETERS, global RayQueue* queue, global const SceneHit* hits, const uint* rays,
@@ -247,14 +233,10 @@ static CLARAY_OUTLINED void shade_rays16(const Step* step, SCENE_PARAMETERS, glo
         shaded[k].next.wanted = shaded[k].shadow.wanted = false;
         shaded[k].time = time_in_queue(queue, room, rays[k]);
         gathered[k] = (float3)(0.0f);
-#if PATH_GUIDE
-        if (teaches(frame, depth)) note_light_before(step, group.state[k].path, radiance);
-#endif
+        if (PATH_GUIDE && teaches(frame, depth)) note_light_before(step, group.state[k].path, radiance);
     }
     uint others = (1u << count) - 1u;
-#if ENVIRONMENT
-    others &= ~see_environment16(frame, &lights, hits, rays, others, !plain && depth < frame->max_depth, &group, gathered);
-#endif
+    if (ENVIRONMENT) others &= ~see_environment16(frame, &lights, hits, rays, others, !plain && depth < frame->max_depth, &group, gathered);
 #if PLAIN_SIXTEEN
     if (plain) others &= ~keep_plain16(frame, &lights.data, SCENE, hits, rays, others, &group);
 #endif
@@ -265,10 +247,8 @@ static CLARAY_OUTLINED void shade_rays16(const Step* step, SCENE_PARAMETERS, glo
         if (!find_point(&last, step, &lights, depth, SCENE, &group.ray[k], hits[i], shaded[k].time, cone, media, shading_normals,
                         &group.state[k], &gathered[k], &group.at[k]))
             continue;
-#if LISTED_LIGHTS
         const bool ends = !LIGHT_GRID && depth + 1 >= step->waves;  // no path goes on
-        if (keep_plain(&lights.data, &group.at[k], &group, k) && ends) continue;
-#endif
+        if (LISTED_LIGHTS && keep_plain(&lights.data, &group.at[k], &group, k) && ends) continue;
         group.scattering |= 1u << k;
     }
     if (group.scattering != 0)
@@ -278,18 +258,14 @@ static CLARAY_OUTLINED void shade_rays16(const Step* step, SCENE_PARAMETERS, glo
         const float3 outgoing = -(float3)(group.ray[k].dx, group.ray[k].dy, group.ray[k].dz);
         prepare_shading(frame, SCENE, &group.samples[k], outgoing, &group.at[k], &group.lobe[k]);
     }
-#if LISTED_LIGHTS
-    if (lights.data.grid_probability > 0.0f) pick_lights16(&lights, &group, shaded);
-#endif
+    if (LISTED_LIGHTS && lights.data.grid_probability > 0.0f) pick_lights16(&lights, &group, shaded);
     for (uint k = 0; k < count; ++k) {
         if (group.scattering & 1u << k)
             shade_surface_at(step, depth, SCENE, &lights, group.ray[k], group.state[k], &group.samples[k], group.lobe[k],
                              group.picked & 1u << k ? &group.listed[k] : 0, &group.at[k], shading_normals, &gathered[k], &shaded[k].next,
                              group.plain & 1u << k ? 0 : &shaded[k].shadow);
-#if MIPMAPS
         const RayCone cone = cone_of_ray(frame, depth, queue, room, rays[k]);
-        if (shaded[k].next.wanted) shaded[k].next.cone = scattered_cone(cone, hits[rays[k]].t, shaded[k].next.state.pdf);
-#endif
+        if (MIPMAPS && shaded[k].next.wanted) shaded[k].next.cone = scattered_cone(cone, hits[rays[k]].t, shaded[k].next.state.pdf);
         add_gathered(gathered[k], group.state[k].path, radiance);
         note_next(step, group.state[k].path, &shaded[k].next, radiance);
     }
@@ -303,9 +279,7 @@ static inline void shade_ray(const Step* step, SCENE_PARAMETERS, global RayQueue
     const RayCone cone = cone_of_ray(&step->frame, depth, queue, room, i);
     shaded->time = time_in_queue(queue, room, i);
     float3 gathered;
-#if PATH_GUIDE
-    if (teaches(&step->frame, depth)) note_light_before(step, state.path, radiance);
-#endif
+    if (PATH_GUIDE && teaches(&step->frame, depth)) note_light_before(step, state.path, radiance);
     shade_hit(step, depth, SCENE, queued_ray(&rays_of_queue(queue)[i]), hits[i], shaded->time, state, cone,
               media_of_ray(depth, queue, room, i), radiance + 3 * (size_t)room, &gathered, &shaded->next, &shaded->shadow);
     add_gathered(gathered, state.path, radiance);
@@ -341,23 +315,15 @@ static inline void number_rays16(const Step* step, uint begin, uint all, uint* r
 static inline void store_next(const ShadedRay* shaded, global RayQueue* queue, uint room, uint slot) {
     store_ray(&rays_of_queue(queue)[slot], shaded->next.ray);
     store_state(&states_of_queue(queue, room)[slot], shaded->next.state);
-#if INSTANCE_MOTION
-    times_of_queue(queue, room)[slot] = shaded->time;
-#endif
-#if MIPMAPS
-    cones_of_queue(queue, room)[slot] = shaded->next.cone;
-#endif
-#if NESTED_MEDIA
-    media_of_queue(queue, room)[slot] = shaded->next.media;
-#endif
+    if (INSTANCE_MOTION) times_of_queue(queue, room)[slot] = shaded->time;
+    if (MIPMAPS) cones_of_queue(queue, room)[slot] = shaded->next.cone;
+    if (NESTED_MEDIA) media_of_queue(queue, room)[slot] = shaded->next.media;
 }
 
 static inline void store_shadow(const ShadedRay* shaded, global ShadowQueue* queue, uint room, uint slot) {
     store_ray(&rays_of_shadows(queue)[slot], shaded->shadow.ray);
     store_light(&light_of_shadows(queue, room)[slot], shaded->shadow.light);
-#if INSTANCE_MOTION
-    times_of_shadows(queue, room)[slot] = shaded->time;
-#endif
+    if (INSTANCE_MOTION) times_of_shadows(queue, room)[slot] = shaded->time;
 }
 #endif
 
@@ -398,11 +364,10 @@ static inline void shade_any(const Step* step, SCENE_PARAMETERS, global RayQueue
     uint slot = rays ? atomic_add(to->next_length, rays) : 0u;
     for (uint k = 0; k < count; ++k)
         if (shaded[k].next.wanted) store_next(&shaded[k], to->next, step->room, slot++);
-#if LIGHTS
+    if (!LIGHTS) return;
     slot = shadows ? atomic_add(to->shadow_length, shadows) : 0u;
     for (uint k = 0; k < count; ++k)
         if (shaded[k].shadow.wanted) store_shadow(&shaded[k], to->shadow, step->room, slot++);
-#endif
 }
 #endif
 
