@@ -42,7 +42,7 @@ std::string choice(const std::string& head, const std::string& function, const s
 /// kernels/bsdf/custom.clh for the BSDFs added so far.
 std::string source() {
     std::string text =
-        "#ifndef CLARAY_BSDF_CUSTOM_CLH\n#define CLARAY_BSDF_CUSTOM_CLH\n#include \"bsdf/ggx.clh\"\n"
+        "#pragma once\n#include \"bsdf/ggx.clh\"\n"
         "static inline global const float* parameters_of(const MaterialData* material, const BsdfView* "
         "view) {\n    return view->tables + material->energy;\n}\n";
     for (const CustomBsdf& bsdf : added()) text += "#line 1 \"" + bsdf.name + "\"\n" + bsdf.source + '\n';
@@ -55,7 +55,7 @@ std::string source() {
         "BsdfSample* sample)",
         "sample", "material, view, random, sample", "false");
     text += choice("bool is_delta_custom(const MaterialData* material)", "is_delta", "material", "false");
-    return text + "#endif\n";
+    return text;
 }
 
 }  // namespace

@@ -9,65 +9,32 @@
 namespace claray {
 namespace {
 
-constexpr unsigned generate = unsigned(Stage::generate), trace = unsigned(Stage::trace), shade = unsigned(Stage::shade),
-                   aovs = unsigned(Stage::aovs);
+constexpr unsigned none = 0, generate = unsigned(Stage::generate), trace = unsigned(Stage::trace),
+                   shade = unsigned(Stage::shade), aovs = unsigned(Stage::aovs);
 
-/// An effect without a row is not known to the kernels. Effects that share a macro are bits of its value. Those without
-/// a macro are not added to kernels: the structure that is traced brings them (host/render/structure.hpp).
+/// Effects that share a macro are bits of its value. The structure that is traced brings the macros of effects without
+/// stages (host/render/structure.hpp).
 struct EffectRow {
     Effect effect;
     const char* name;
     const char* macro;
     unsigned bit;
     unsigned stages;
+    unsigned lanes;
 };
 constexpr std::array rows = {
-#define CLARAY_ROW(name, NAME, text, transmits, lobes, rough) \
-    EffectRow{Effect::name, text, "MATERIALS", CLARAY_##NAME, shade},
-    CLARAY_CUSTOM_KINDS(CLARAY_ROW) EffectRow{Effect::smooth_normals, "smooth-normals", "NORMALS", 0, shade | aovs},
-    CLARAY_MATERIAL_KINDS(CLARAY_ROW) CLARAY_HIT_KINDS(CLARAY_ROW)
+#define CLARAY_ROW(name, text, MACRO, bit, stages, lanes) EffectRow{Effect::name, text, #MACRO, bit, stages, lanes},
+#define CLARAY_BSDF(name, NAME, text, transmits, lobes, rough) \
+    EffectRow{Effect::name, text, "MATERIALS", CLARAY_##NAME, shade, CLARAY_LANES_ALL},
+#define CLARAY_LIGHT(name, NAME, text, far, cone) \
+    EffectRow{Effect::name##_lights, text "-lights", #NAME "_LIGHTS", 0, shade, CLARAY_LANES_ALL},
+#define CLARAY_PROJECTION(name, NAME, text, flat, parallel, stretch) \
+    EffectRow{Effect::name, text, "PROJECTIONS", CLARAY_##NAME, generate | shade, CLARAY_LANES_ALL},
+    CLARAY_EFFECTS(CLARAY_ROW, CLARAY_BSDF, CLARAY_LIGHT, CLARAY_PROJECTION)
 #undef CLARAY_ROW
-        EffectRow{Effect::transmission, "transmission", "MATERIALS", CLARAY_GLASS, shade},
-    EffectRow{Effect::rough_glass, "rough-glass", "ROUGH_GLASS", 0, shade},
-    EffectRow{Effect::clearcoat, "clearcoat", "CLEARCOAT", 0, shade},
-    EffectRow{Effect::layered_coat, "layered-coat", "LAYERED_COAT", 0, shade},
-    EffectRow{Effect::specular, "specular", "SPECULAR", 0, shade},
-    EffectRow{Effect::iridescence, "iridescence", "IRIDESCENCE", 0, shade},
-    EffectRow{Effect::anisotropy, "anisotropy", "ANISOTROPY", 0, shade},
-    EffectRow{Effect::sheen, "sheen", "SHEEN", 0, shade},
-    EffectRow{Effect::absorption, "absorption", "ABSORPTION", 0, shade},
-    EffectRow{Effect::nested_media, "nested-media", "NESTED_MEDIA", 0, shade},
-    EffectRow{Effect::emissive_triangles, "emissive-triangles", "TRIANGLE_LIGHTS", 0, shade},
-#define CLARAY_ROW(name, NAME, text, far, cone) \
-    EffectRow{Effect::name##_lights, text "-lights", #NAME "_LIGHTS", 0, shade},
-    CLARAY_LIGHT_KINDS(CLARAY_ROW)
-#undef CLARAY_ROW
-        EffectRow{Effect::light_falloff, "light-falloff", "LIGHT_FALLOFF", 0, shade},
-    EffectRow{Effect::linear_ranges, "linear-ranges", "LINEAR_RANGES", 0, shade},
-    EffectRow{Effect::light_lists, "light-lists", "LIGHT_LISTS", 0, shade},
-    EffectRow{Effect::many_lights, "many-lights", "LIGHT_TREE", 0, shade},
-    EffectRow{Effect::hot_spots, "hot-spots", "HOT_SPOTS", 0, shade},
-    EffectRow{Effect::sky, "sky", "SKY", 0, shade},
-    EffectRow{Effect::environment, "environment", "ENVIRONMENT", 0, shade},
-    EffectRow{Effect::depth_of_field, "depth-of-field", "DEPTH_OF_FIELD", 0, generate},
-    EffectRow{Effect::camera_motion, "camera-motion", "CAMERA_MOTION", 0, generate},
-#define CLARAY_ROW(name, NAME, text, flat, parallel, stretch) \
-    EffectRow{Effect::name, text, "PROJECTIONS", CLARAY_##NAME, generate | shade},
-    CLARAY_OTHER_PROJECTIONS(CLARAY_ROW)
-#undef CLARAY_ROW
-        EffectRow{Effect::instances, "instances", nullptr, 0, 0},
-    EffectRow{Effect::instance_motion, "instance-motion", nullptr, 0, 0},
-    EffectRow{Effect::primitives, "primitives", nullptr, 0, 0},
-    EffectRow{Effect::vertex_colors, "vertex-colors", "VERTEX_COLORS", 0, shade | aovs},
-    EffectRow{Effect::textures, "textures", "TEXTURES", 0, shade | aovs},
-    EffectRow{Effect::mip_maps, "mip-maps", "MIPMAPS", 0, shade | aovs},
-    EffectRow{Effect::nearest_levels, "nearest-levels", "NEAREST_LEVELS", 0, shade | aovs},
-    EffectRow{Effect::normal_maps, "normal-maps", "NORMAL_MAPS", 0, shade | aovs},
-    EffectRow{Effect::height_maps, "height-maps", "HEIGHT_MAPS", 0, shade | aovs},
-    EffectRow{Effect::emission_maps, "emission-maps", "EMISSION_MAPS", 0, shade},
-    EffectRow{Effect::cut_outs, "cut-outs", "CUT_OUTS", 0, trace},
-    EffectRow{Effect::culling, "culling", "CUT_OUTS", 1, trace},
-    EffectRow{Effect::light_maps, "light-maps", "LIGHT_MAPS", 0, shade | aovs},
+#undef CLARAY_BSDF
+#undef CLARAY_LIGHT
+#undef CLARAY_PROJECTION
 };
 constexpr bool numbers_of_bsdfs_differ() {
     std::uint32_t bits = 0;
@@ -80,7 +47,7 @@ constexpr bool numbers_of_bsdfs_differ() {
     return true;
 }
 static_assert(numbers_of_bsdfs_differ(), "two BSDFs of claray/shared/lists/bsdfs.h have the same number");
-static_assert(rows.size() <= 64, "an EffectSet has 64 bits");
+static_assert(rows.size() <= EffectSet::most, "an EffectSet has too few bits");
 
 constexpr auto known = [] {
     std::array<Effect, rows.size()> effects{};
@@ -127,7 +94,7 @@ EffectSet known_effects() {
 EffectSet full_effects() {
     EffectSet all;
     for (const EffectRow& row : rows)
-        if (row.macro) all.add(row.effect);
+        if (row.stages != none) all.add(row.effect);
     return all & known_effects();
 }
 
@@ -170,6 +137,11 @@ EffectSet of_stage(EffectSet effects, Stage stage) {
     for (const Effect effect : all_effects())
         if (effects.has(effect) && concerns(effect, stage)) found.add(effect);
     return found;
+}
+
+bool have_lanes(EffectSet effects, unsigned lanes) {
+    return std::all_of(rows.begin(), rows.end(),
+                       [&](const EffectRow& row) { return (row.lanes & lanes) == lanes || !effects.has(row.effect); });
 }
 
 bool concerns(Effect effect, Stage stage) {

@@ -1,8 +1,8 @@
-// The one place that knows which macros of which kernels belong to an effect. A BSDF is an effect by its row in
-// claray/shared/lists/bsdfs.h, a kind of light by its row in lights.h. Any other new effect is: an enumerator of
-// Effect, a row in effects.cpp, who calls for it and how a scene is stripped of it in effects_of.cpp, a scene in
-// tests/render/effects_test.cpp, and in the kernels a macro whose default is "all of it". Its code must find nothing to
-// do in scenes without the effect (an absent buffer is null, a count is 0): kernels may know more than the scene needs.
+// Which macros of which kernels belong to an effect. A BSDF is an effect by its row in claray/shared/lists/bsdfs.h, a
+// kind of light by its row in lights.h. Any other new effect is a row of effects.h, who calls for it and how a scene is
+// stripped of it in effects_of.cpp, a scene that calls for it in effects_scene.cpp, and in the kernels conditions with
+// its macro. Its code must find nothing to do in scenes without the effect (an absent buffer is null, a count is 0):
+// kernels may know more than the scene needs.
 #pragma once
 
 #include <optional>
@@ -27,6 +27,9 @@ enum class Stage : unsigned {
 [[nodiscard]] Effect effect_of(MaterialKind kind);
 /// The effects for which that stage's kernels contain code.
 [[nodiscard]] EffectSet of_stage(EffectSet effects, Stage stage);
+/// Whether code that works on sixteen rays at once (CLARAY_LANES_... of claray/shared/lists/effects.h) may run in
+/// scenes with all of these effects.
+[[nodiscard]] bool have_lanes(EffectSet effects, unsigned lanes);
 /// Whether that stage's kernels contain code for the effect.
 [[nodiscard]] bool concerns(Effect effect, Stage stage);
 

@@ -76,10 +76,7 @@ Defines defines_of(const Approximations& approximate) {
 /// Surfaces of other scenes are never shaded by sixteen (PLAIN_IN_LANES): with the macro the same kernel would be
 /// compiled a second time.
 bool may_shade_sixteen(EffectSet effects) {
-    constexpr EffectSet one_by_one = {Effect::textures,   Effect::mip_maps,   Effect::vertex_colors,
-                                      Effect::instances,  Effect::primitives, Effect::light_falloff,
-                                      Effect::light_lists};
-    return effects.has(Effect::lambert) && (effects & one_by_one).empty();
+    return effects.has(Effect::lambert) && have_lanes(effects, CLARAY_LANES_SHADE);
 }
 
 std::uint64_t with_light_grid(std::uint64_t most_paths, const WavefrontKernels& kernels) {

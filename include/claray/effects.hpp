@@ -2,86 +2,58 @@
 // needs are neither uploaded nor run.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "claray/scene.hpp"
+#include "claray/shared/lists/effects.h"
 
 namespace claray {
 
-/// Each effect is a part of the kernel code that a scene may not need. Every BSDF is an effect: Effect::lambert,
-/// mirror, glass, metal, blinn_phong, principled, unlit, thin_walls, coated_metal and custom. Every kind of light is an
-/// effect: Effect::point_lights, directional_lights, spot_lights and sun_lights. Every camera that is not perspective
-/// is an effect: Effect::orthographic.
+/// Each effect is a part of the kernel code that a scene may not need. claray/shared/lists/effects.h lists them. Every
+/// BSDF is an effect, such as Effect::glass; so is every kind of light, such as Effect::point_lights, and every camera
+/// that is not perspective, such as Effect::orthographic.
 enum class Effect : std::uint8_t {
-    smooth_normals,
-    transmission,
-    rough_glass,
-    clearcoat,
-    absorption,
-    culling,
-    emissive_triangles,
-    light_falloff,
-    linear_ranges,
-    light_lists,
-    many_lights,
-    sky,
-    environment,
-    textures,
-    mip_maps,
-    nearest_levels,
-    normal_maps,
-    height_maps,
-    light_maps,
-    cut_outs,
-    depth_of_field,
-    camera_motion,
-    instances,
-    instance_motion,
-    emission_maps,
-    hot_spots,
-    vertex_colors,
-    specular,
-    sheen,
-    anisotropy,
-    iridescence,
-    layered_coat,
-    primitives,
-    nested_media,
-#define CLARAY_ROW(name, NAME, text, transmits, lobes, rough) name,
-    CLARAY_BSDFS(CLARAY_ROW)
+#define CLARAY_ROW(name, ...) name,
+#define CLARAY_LIGHT(name, ...) name##_lights,
+    CLARAY_EFFECTS(CLARAY_ROW, CLARAY_ROW, CLARAY_LIGHT, CLARAY_ROW)
 #undef CLARAY_ROW
-#define CLARAY_ROW(name, NAME, text, far, cone) name##_lights,
-        CLARAY_LIGHT_KINDS(CLARAY_ROW)
-#undef CLARAY_ROW
-#define CLARAY_ROW(name, NAME, text, flat, parallel, stretch) name,
-            CLARAY_OTHER_PROJECTIONS(CLARAY_ROW)
-#undef CLARAY_ROW
+#undef CLARAY_LIGHT
 };
 
 /// A set of effects.
 class EffectSet {
 public:
+    static constexpr unsigned most = 128;  ///< numbers of effects are below
+
     constexpr EffectSet() = default;
     constexpr EffectSet(std::initializer_list<Effect> effects) {
         for (const Effect effect : effects) add(effect);
     }
-    constexpr void add(Effect effect) { bits_ |= bit(effect); }
-    constexpr void remove(Effect effect) { bits_ &= ~bit(effect); }
-    [[nodiscard]] constexpr bool has(Effect effect) const { return (bits_ & bit(effect)) != 0; }
-    [[nodiscard]] constexpr bool empty() const { return bits_ == 0; }
-    [[nodiscard]] constexpr bool contains(EffectSet other) const { return (other.bits_ & ~bits_) == 0; }
-    [[nodiscard]] constexpr EffectSet operator|(EffectSet other) const { return EffectSet(bits_ | other.bits_); }
-    [[nodiscard]] constexpr EffectSet operator-(EffectSet other) const { return EffectSet(bits_ & ~other.bits_); }
-    [[nodiscard]] constexpr EffectSet operator&(EffectSet other) const { return EffectSet(bits_ & other.bits_); }
+    constexpr void add(Effect effect) { word_of(effect) |= bit(effect); }
+    constexpr void remove(Effect effect) { word_of(effect) &= ~bit(effect); }
+    [[nodiscard]] constexpr bool has(Effect effect) const { return (words_[unsigned(effect) / 64] & bit(effect)) != 0; }
+    [[nodiscard]] constexpr bool empty() const { return *this == EffectSet(); }
+    [[nodiscard]] constexpr bool contains(EffectSet other) const { return (other - *this).empty(); }
+    [[nodiscard]] constexpr EffectSet operator|(EffectSet other) const {
+        return EffectSet(words_[0] | other.words_[0], words_[1] | other.words_[1]);
+    }
+    [[nodiscard]] constexpr EffectSet operator-(EffectSet other) const {
+        return EffectSet(words_[0] & ~other.words_[0], words_[1] & ~other.words_[1]);
+    }
+    [[nodiscard]] constexpr EffectSet operator&(EffectSet other) const {
+        return EffectSet(words_[0] & other.words_[0], words_[1] & other.words_[1]);
+    }
     constexpr bool operator==(const EffectSet&) const = default;
 
 private:
-    explicit constexpr EffectSet(std::uint64_t bits) : bits_(bits) {}
-    static constexpr std::uint64_t bit(Effect effect) { return std::uint64_t(1) << unsigned(effect); }
-    std::uint64_t bits_ = 0;
+    constexpr EffectSet(std::uint64_t low, std::uint64_t high) : words_{low, high} {}
+    static constexpr std::uint64_t bit(Effect effect) { return std::uint64_t(1) << unsigned(effect) % 64; }
+    constexpr std::uint64_t& word_of(Effect effect) { return words_[unsigned(effect) / 64]; }
+    std::array<std::uint64_t, most / 64> words_{};
 };
 
 /// Returns the name for users: "smooth-normals".

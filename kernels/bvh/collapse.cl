@@ -22,9 +22,7 @@ static inline uint leaves_below(global const BvhNode* nodes, uint child) {
 }
 
 /// Subtrees of at most this many leaves are prefetched as a whole.
-#ifndef FETCHED_LEAVES
 #define FETCHED_LEAVES 64u
-#endif
 
 static inline uint end_leaf(global const BvhNode* nodes, uint child, uint side) {
     while (!is_leaf(child)) child = child_of(&nodes[child], side);

@@ -7,9 +7,7 @@
 #ifndef MAX_LEAF
 #define MAX_LEAF 1u  // triangles per leaf, up to 4
 #endif
-#ifndef TREELET
 #define TREELET 32u  // leaves of a subtree that one item copies
-#endif
 #define LEAF_LIMIT 4u
 #define MANY 0xffu
 

@@ -11,16 +11,10 @@
 /// The light of one light that the surface reflects to the viewer.
 static inline float3 reflected_light(const ShadingPoint* at, float3 from, PunctualLight light) {
     LightView view;
-#if PUNCTUAL_LIGHTS
-    if (!view_punctual_light(light, 1.0f, from, (float2)(0.0f), &view)) return (float3)(0.0f);
-#else
-    return (float3)(0.0f);
-#endif
+    if (!PUNCTUAL_LIGHTS || !view_punctual_light(light, 1.0f, from, (float2)(0.0f), &view)) return (float3)(0.0f);
     bool viewers_side = dot(view.direction, at->surface.geometric) > 0.0f;
-#if NORMALS
     // As in view_light_beside: rounded surfaces are lit as far as their normals allow.
-    viewers_side |= largest(fabs(at->surface.lift)) > 0.0f && dot(view.direction, at->surface.shading) > 0.0f;
-#endif
+    if (NORMALS) viewers_side |= largest(fabs(at->surface.lift)) > 0.0f && dot(view.direction, at->surface.shading) > 0.0f;
     if (!viewers_side && !is_translucent(&at->material)) return (float3)(0.0f);
     const float3 incoming = to_local(at->frame, view.direction);
     if (is_above(&at->material, incoming) != viewers_side) return (float3)(0.0f);
@@ -39,15 +33,16 @@ static inline PathState state_of_path(const Step* step, global const RayQueue* q
     return queued_state(&states_of_queue((global RayQueue*)queue, step->room)[path]);
 }
 
+static inline float time_of_path(const Step* step, global const RayQueue* queue, uint path) {
+    return INSTANCE_MOTION ? times_of_queue((global RayQueue*)queue, step->room)[path] : 0.0f;
+}
+
 /// Follows a path to its first surface. Returns false if no light is reflected there; else `at` is ready to reflect it. `last` may be
 /// null.
 static inline bool arrive_first(LastTriangle* last, const Step* step, const Lights* lights, SCENE_PARAMETERS, global const RayQueue* queue,
                                 global const SceneHit* hits, uint path, float3* radiance, ShadingPoint* at) {
     const Ray ray = queued_ray((global const Ray*)queue + path);
-    float time = 0.0f;
-#if INSTANCE_MOTION
-    time = times_of_queue((global RayQueue*)queue, step->room)[path];
-#endif
+    const float time = time_of_path(step, queue, path);
     PathState state = state_of_path(step, queue, path);
     if (!arrive(last, step, lights, 0, SCENE, ray, hits[path], time, camera_cone(&step->frame), 0u, 0, &state, radiance, at)) return false;
     if (is_delta(&at->material)) return false;
@@ -57,7 +52,6 @@ static inline bool arrive_first(LastTriangle* last, const Step* step, const Ligh
     return true;
 }
 
-#if SHADING
 /// The radiance of one path: the light of the points that stand for its hit. All lights are summed up, since these points may be
 /// outside the tile's box.
 static CLARAY_OUTLINED float3 sum_of_lit(const Step* step, const Lights* lights, SCENE_PARAMETERS, const TileGrid* tiles,
@@ -70,10 +64,7 @@ static CLARAY_OUTLINED float3 sum_of_lit(const Step* step, const Lights* lights,
     if (!arrive_first(0, step, lights, SCENE, queue, hits, path, &sum, &there)) return sum;
     const Hit hit = hit_of(found INSTANCE_BUFFERS);
     if (!is_lit_elsewhere(&there.material) || IS_PRIMITIVE(hit)) return sum + sum_of_list(lights, all, met_point(ray, found.t), &there);
-    float time = 0.0f;
-#if INSTANCE_MOTION
-    time = times_of_queue((global RayQueue*)queue, step->room)[path];
-#endif
+    const float time = time_of_path(step, queue, path);
     const SurfaceSamples samples = samples_at(samples_of(state_of_path(step, queue, path), step->frame.seed), 0);
     for (uint i = 0; i < LIT_POINTS; ++i) {
         ShadingPoint at = there;
@@ -84,7 +75,6 @@ static CLARAY_OUTLINED float3 sum_of_lit(const Step* step, const Lights* lights,
     }
     return sum;
 }
-#endif
 
 #if CLARAY_CPU
 #if !SHADING

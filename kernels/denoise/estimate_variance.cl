@@ -6,13 +6,9 @@
 #include "denoise/light_sixteen.clh"
 #endif
 
-#ifndef MIRROR_TRUST
 #define MIRROR_TRUST 0.3f  // what a mirror shows has edges that no guide tells: the filter sees this part of its variance
-#endif
 #define SINGLE_DOUBT 2.0f  // the spread of single samples misses the rare bright ones
-#ifndef VARIANCE_RADIUS
 #define VARIANCE_RADIUS 3
-#endif
 
 /// The slope of nearness along one axis: the smaller difference, since the other may cross an edge.
 static inline float slope_of(float before, float here, float after) {

@@ -6,12 +6,8 @@
 #include "denoise/light_sixteen.clh"
 #endif
 
-#ifndef LIGHT_TOLERANCE
 #define LIGHT_TOLERANCE 6.0f  // of the squared difference of two pixels, in variances of both
-#endif
-#ifndef ENOUGH_COMPANY
 #define ENOUGH_COMPANY 0.4f  // weight of the neighbours of the same surface, over that of the pixel itself
-#endif
 
 constant float spline[3] = {0.375f, 0.25f, 0.0625f};  // cubic B-spline
 

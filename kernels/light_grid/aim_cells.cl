@@ -13,7 +13,5 @@ kernel void aim_cells(Step step, GridBox box, global const uint* tables, global 
     const float3 way = probe_position(grid, cell + (uint3)(corner & 1u, corner >> 1 & 1u, corner >> 2)) - from;
     const Ray ray = {from.x, from.y, from.z, 0.0f, way.x, way.y, way.z, 1.0f};
     store_ray(&rays_of_queue(queue)[path], ray);
-#if INSTANCE_MOTION
-    times_of_queue(queue, step.room)[path] = 0.5f;
-#endif
+    if (INSTANCE_MOTION) times_of_queue(queue, step.room)[path] = 0.5f;
 }

@@ -38,9 +38,6 @@ static CLARAY_OUTLINED Hit trace_primitives(CLARAY_BVH_PARAMETERS, global const 
 
 /// Second passes of queries of triangles: `hits` and `occluded` hold what rays meet among triangles. The numbers of primitives begin at
 /// `lowest`. At equal distances the triangle stays.
-#ifndef INSTANCES
-#define INSTANCES 0  // 1: the hits are InstanceHits
-#endif
 #if INSTANCES
 #include "claray/shared/instance.h"
 #define FOUND_HIT InstanceHit

@@ -15,10 +15,7 @@ void finish_paths(Step step, CLARAY_BVH_PARAMETERS, SCENE_PARAMETERS, global Ray
         next.wanted = true;
         next.ray = queued_ray(&rays_of_queue(queue)[i]);
         next.state = queued_state(&states_of_queue(queue, step.room)[i]);
-        next.cone = camera_cone(&step.frame);
-#if MIPMAPS
-        next.cone = cones_of_queue(queue, step.room)[i];
-#endif
+        next.cone = MIPMAPS ? cones_of_queue(queue, step.room)[i] : camera_cone(&step.frame);
         next.media = media_of_ray(step.depth, queue, step.room, i);
         const uint path = next.state.path;
         vstore3(follow_path(&step, step.depth, end, CLARAY_BVH, SCENE, next, 0.0f, vload3(path, radiance),

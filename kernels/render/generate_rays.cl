@@ -40,8 +40,6 @@ kernel void generate_rays(Batch batch, FrameData of_frame, uint centers, global 
     store_ray(&rays[path], centers ? center_ray(frame, state.pixel) : first_ray(frame, state, &time));
     store_state(&states[path], state);
     vstore3((float3)(0.0f), path, radiance);
-#if INSTANCE_MOTION
-    times[path] = time;
-#endif
+    if (INSTANCE_MOTION) times[path] = time;
 }
 #endif

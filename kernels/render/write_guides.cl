@@ -7,16 +7,9 @@
 #include "render/shade_hit.clh"
 
 #define LEAST_ALBEDO 0.02f  // darker surfaces count as this, so that light that their coats reflect is finite per albedo
-#ifndef MOST_MIRRORS
-#define MOST_MIRRORS 6u  // a glass ball seen in another one
-#endif
-#ifndef GLOSSY_DENSITY
+#define MOST_MIRRORS 6u     // a glass ball seen in another one
 #define GLOSSY_DENSITY 1.0f  // per steradian: directions sampled with more than this come from an almost mirror
-#endif
-
-#ifndef LEAST_NOISE
-#define LEAST_NOISE 0.1f  // of a ray's glow, over the brightest nearby
-#endif
+#define LEAST_NOISE 0.1f     // of a ray's glow, over the brightest nearby
 #define FEW_RAYS 4.0f
 
 /// The pixel of element i of a batch, and its first sample to trace: consecutive pixels, or consecutive elements of a list.
@@ -67,9 +60,7 @@ kernel void guide_rays(GuideStep guide, global const GuideRun* runs, global cons
     if (i >= guide.step.capacity) return;
     float time = 0.0f;
     store_ray(&rays[i], first_ray(&guide.step.frame, guided_state(&guide, runs, i, list), &time));
-#if INSTANCE_MOTION
-    times[i] = time;
-#endif
+    if (INSTANCE_MOTION) times[i] = time;
 }
 #endif
 
@@ -108,9 +99,7 @@ static CLARAY_OUTLINED void see(PathState state, const FrameData* frame, SCENE_P
     } else {
         ShadingPoint at;
         surface_at_hit(0, frame, SCENE, ray, found, time, camera_cone(frame), 0u, false, &at);
-#if ABSORPTION
-        if (at.surface.inside) state = attenuated(state, transmittance_of(&at.material, hit.t));
-#endif
+        if (ABSORPTION && at.surface.inside) state = attenuated(state, transmittance_of(&at.material, hit.t));
         if (depth == 0u) {
             sight.normal_x = at.surface.shading.x, sight.normal_y = at.surface.shading.y, sight.normal_z = at.surface.shading.z;
             sight.nearness = 1.0f / fmax(hit.t, 1e-30f);
@@ -118,12 +107,9 @@ static CLARAY_OUTLINED void see(PathState state, const FrameData* frame, SCENE_P
         albedo = throughput_of(state) * albedo_there(&at);
         bool ends = depth + 1u >= min(MOST_MIRRORS, frame->max_depth);
         glow = emitted_radiance(&lights, SCENE, found, hit, 0u, ray, state, &at, 0);
-#if USES(CLARAY_UNLIT)
-        if (at.material.kind == CLARAY_UNLIT) glow = state.pdf == 0.0f ? throughput_of(state) * albedo_of(&at.material) : (float3)(0.0f), ends = true;
-#endif
-#if TEXTURES && LIGHT_MAPS
-        if (at.maps.has_light && !at.surface.inside) glow += albedo * at.maps.light * INV_PI, ends = true;
-#endif
+        if (USES(CLARAY_UNLIT) && at.material.kind == CLARAY_UNLIT)
+            glow = state.pdf == 0.0f ? throughput_of(state) * albedo_of(&at.material) : (float3)(0.0f), ends = true;
+        if (TEXTURES && LIGHT_MAPS && at.maps.has_light && !at.surface.inside) glow += albedo * at.maps.light * INV_PI, ends = true;
         if (!ends) *next = pass_mirror(frame, SCENE, depth, ray, state, &at);
     }
     if (sight.passed == CLARAY_BY_GLOSS) {
@@ -154,19 +140,14 @@ static inline void see_ray(const GuideStep* guide, global const GuideRun* runs, 
     const uint depth = guide->step.depth;
     seen->number = depth == 0u ? i : numbers[i];
     const PathState state = guided_state(guide, runs, seen->number, list);
-    seen->time = 0.0f;
-#if INSTANCE_MOTION
-    seen->time = time_of(samples_of(state, guide->step.frame.seed));
-#endif
+    seen->time = INSTANCE_MOTION ? time_of(samples_of(state, guide->step.frame.seed)) : 0.0f;
     see(state, &guide->step.frame, SCENE, depth, queued_ray(&rays[i]), found, seen->time, &sights[seen->number], &seen->next);
 }
 
 static inline void append_ray(const SeenRay* seen, uint slot, global Ray* next_rays, global float* next_times, global uint* next_numbers) {
     store_ray(&next_rays[slot], seen->next.ray);
     next_numbers[slot] = seen->number;
-#if INSTANCE_MOTION
-    next_times[slot] = seen->time;
-#endif
+    if (INSTANCE_MOTION) next_times[slot] = seen->time;
 }
 
 /// Rays that a work-item of a CPU sees, and for which it reserves slots at once: threads would wait for each other at every atomic operation.

@@ -1,7 +1,6 @@
 // Rays that leave triangles, to be traced against them.
-#ifndef NORMALS
+#undef NORMALS
 #define NORMALS 0
-#endif
 #include "shade/surface_sixteen.clh"
 #include "verify/leaving_rays.clh"
 

@@ -74,6 +74,33 @@ TEST(Effects, StrippedScenesDoNotCallForThem) {
     }
 }
 
+TEST(Effects, SetsHaveRoomForMoreThanAWord) {
+    const Effect last = Effect(EffectSet::most - 1), same_bit = Effect(EffectSet::most - 1 - 64);
+    EffectSet set = {last};
+    EXPECT_TRUE(set.has(last));
+    EXPECT_FALSE(set.has(same_bit));
+    EXPECT_FALSE(set.empty());
+    EXPECT_NE(set, EffectSet{same_bit});
+    EXPECT_TRUE((set & EffectSet{same_bit}).empty());
+    EXPECT_EQ((set | EffectSet{same_bit}) - set, EffectSet{same_bit});
+    EXPECT_FALSE((EffectSet{same_bit}).contains(set));
+    set.remove(last);
+    EXPECT_TRUE(set.empty());
+}
+
+TEST(Effects, TellWhatSixteenRaysAtOnceKnow) {
+    const EffectSet diffuse = {Effect::lambert, Effect::emissive_triangles, Effect::smooth_normals, Effect::sky};
+    EXPECT_TRUE(have_lanes(diffuse, CLARAY_LANES_SHADE));
+    for (const Effect unknown : {Effect::textures, Effect::instances, Effect::vertex_colors, Effect::nested_media}) {
+        EXPECT_FALSE(have_lanes(diffuse | EffectSet{unknown}, CLARAY_LANES_SHADE)) << name_of(unknown);
+        EXPECT_FALSE(have_lanes(diffuse | EffectSet{unknown}, CLARAY_LANES_LISTS)) << name_of(unknown);
+    }
+    EXPECT_FALSE(have_lanes({Effect::light_lists}, CLARAY_LANES_SHADE));
+    EXPECT_TRUE(have_lanes({Effect::light_lists}, CLARAY_LANES_LISTS));
+    EXPECT_TRUE(have_lanes({Effect::absorption}, CLARAY_LANES_SHADE));
+    EXPECT_FALSE(have_lanes({Effect::absorption}, CLARAY_LANES_LISTS));
+}
+
 TEST(Effects, NamesAreParsed) {
     EXPECT_EQ(parse_effects(to_string(full_effects())), full_effects());
     EXPECT_EQ(parse_effects("mirror,sky"), (EffectSet{Effect::mirror, Effect::sky}));

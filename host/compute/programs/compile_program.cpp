@@ -11,6 +11,7 @@
 #include "host/compute/drivers/pocl_folder.hpp"
 #include "host/compute/programs/build_report.hpp"
 #include "host/compute/programs/compiling.hpp"
+#include "host/compute/programs/effect_macros.hpp"
 #include "host/compute/programs/program_cache.hpp"
 #include "host/compute/tuning.hpp"
 
@@ -55,6 +56,7 @@ Defines macros_of(const Device& device, const std::string& file, const Defines& 
     const KernelSource& main = kernel_source(file);
     std::erase_if(macros,
                   [&](const auto& macro) { return !macro.first.starts_with("CLARAY_") && !needs(main, macro.first); });
+    add_effect_macros(macros, [&](const std::string& macro) { return needs(main, macro); });
     return macros;
 }
 

@@ -27,6 +27,24 @@ std::string read_text(const std::filesystem::path& path) {
     return text.str();
 }
 
+bool is_part_of_name(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
+
+/// Drivers need not know `#pragma once`: a guard takes its place, and no line moves.
+std::string with_guard(const std::string& path, std::string text) {
+    const std::string once = "#pragma once\n";
+    const std::size_t at = text.find(once);
+    if (at == std::string::npos) return text;
+    std::string guard = "CLARAY_ONCE_" + path;
+    std::replace_if(
+        guard.begin(), guard.end(), [](char c) { return !is_part_of_name(c); }, '_');
+    return text.replace(at, once.size(), "#ifndef " + guard + '\n') + "\n#define " + guard + "\n#endif\n";
+}
+
+std::vector<KernelSource> with_guards(std::vector<KernelSource> sources) {
+    for (KernelSource& source : sources) source.text = with_guard(source.path, std::move(source.text));
+    return sources;
+}
+
 std::vector<KernelSource> sources_in_force() {
     std::vector<KernelSource> sources = embedded_kernel_sources();
     const char* override_dir = std::getenv("CLARAY_KERNEL_DIR");
@@ -55,7 +73,7 @@ std::vector<KernelSource> sources_in_force() {
 namespace {
 
 std::vector<KernelSource>& changeable_sources() {
-    static std::vector<KernelSource> sources = sources_in_force();
+    static std::vector<KernelSource> sources = with_guards(sources_in_force());
     return sources;
 }
 
@@ -69,7 +87,7 @@ const std::vector<KernelSource>& kernel_sources() { return changeable_sources();
 void replace_kernel_source(const std::string& path, std::string text) {
     if (replaced == 0) original_hash = hash_of_kernel_sources();
     for (KernelSource& source : changeable_sources())
-        if (source.path == path) source.text = std::move(text);
+        if (source.path == path) source.text = with_guard(path, std::move(text));
     ++replaced;
 }
 
@@ -122,8 +140,6 @@ std::vector<const KernelSource*> included_sources(const std::string& text) {
 }
 
 namespace {
-
-bool is_part_of_name(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
 
 /// The names and numbers of a text, outside of comments.
 std::unordered_set<std::string_view> words_of(std::string_view text) {

@@ -8,6 +8,7 @@
 #include "host/compute/fork.hpp"
 #include "host/compute/memory.hpp"
 #include "host/compute/programs/compile_program.hpp"
+#include "host/compute/programs/effect_macros.hpp"
 
 namespace claray {
 namespace {
@@ -148,7 +149,13 @@ Kernel load_kernel(const Device& device, const std::string& file, const std::str
 
 Kernel compile_kernel(const Device& device, const std::string& source, const std::string& function,
                       const Defines& defines, Math math, const std::string& name) {
-    Kernel kernel = kernel_of(device, {name, source}, function, defines, math, true);
+    const std::vector<const KernelSource*> headers = included_sources(source);
+    Defines all = defines;
+    add_effect_macros(all, [&](const std::string& macro) {
+        return std::any_of(headers.begin(), headers.end(),
+                           [&](const KernelSource* header) { return mentions(*header, macro); });
+    });
+    Kernel kernel = kernel_of(device, {name, source}, function, all, math, true);
     kernel.remember(defines);
     return kernel;
 }
