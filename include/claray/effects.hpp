@@ -11,10 +11,8 @@
 
 namespace claray {
 
-/// Each effect is a part of the kernel code that a scene may not need. Every BSDF is an effect: Effect::lambert,
-/// mirror, glass, metal, blinn_phong, principled, unlit, thin_walls, coated_metal and custom. Every kind of light is an
-/// effect: Effect::point_lights, directional_lights, spot_lights and sun_lights. Every camera that is not perspective
-/// is an effect: Effect::orthographic.
+/// Each effect is a part of the kernel code that a scene may not need. The rows of three lists are effects, too: BSDFs
+/// (claray/shared/lists/bsdfs.h), kinds of lights (lights.h), and projections but perspective (projections.h).
 enum class Effect : std::uint8_t {
     smooth_normals,
     transmission,
