@@ -38,20 +38,16 @@ std::string stem_of(QueryKind kind, const QueryOptions& options) {
     return kind == QueryKind::closest ? "trace/closest_hit" : "trace/any_hit";
 }
 
-/// A batch is on the stack of the thread that traces it: larger batches, or two at once, could overflow the stack.
-std::uint32_t most_in_batch(const Device& device, const TreeFormat& tree, const std::string& stem,
-                            const QueryOptions& options) {
-    if (!tree.wide || options.brute_force || options.visits.allocated()) return 0;
-    return std::min(device.tuning(stem, "BATCH"), 8192u);
-}
-
 }  // namespace
 
 QueryKernels::QueryKernels(const Device& device, const TreeFormat& tree, QueryKind kind, const QueryOptions& options,
                            const std::string& file) {
     const bool closest = kind == QueryKind::closest;
     const std::string stem = stem_of(kind, options), name = closest ? "closest_hit" : "any_hit";
-    const std::uint32_t batch = most_in_batch(device, tree, stem, options);
+    // A batch is on the stack of the thread that traces it: larger batches, or two at once, could overflow the stack.
+    if (tree.wide && !options.brute_force && !options.visits.allocated())
+        batch = std::min(device.tuning(stem, "BATCH"), 8192u);
+    in_queue = !options.brute_force && !tree.wide && device.tuning(stem, "RAY_QUEUE") != 0;
     TreeFormat traced = tree;
     if (batch != 0) traced.cutouts = false;
     const auto add = [&](const Defines& more) {
@@ -60,9 +56,7 @@ QueryKernels::QueryKernels(const Device& device, const TreeFormat& tree, QueryKi
         trace.push_back({file.empty() ? stem + ".cl" : file, options.brute_force ? "brute_force_" + name : name,
                          file.empty() ? defines : with_tuning(device, stem, defines)});
     };
-    in_batches = batch != 0;
-    in_queue = !in_batches && !options.brute_force && !tree.wide && device.tuning(stem, "RAY_QUEUE") != 0;
-    if (in_batches) {
+    if (batch != 0) {
         if (device.tuning(stem, "SORT_FROM") != 0) sample = order_sample;
         if (tree.cutouts) {
             Defines defines = query_defines(tree.defines(), options);
@@ -95,8 +89,7 @@ QueryKernel::QueryKernel(const Device& device, const Bvh& bvh, Kind kind, const 
                          const std::string& name, const std::string& file)
     : device_(device), bvh_(bvh), options_(options) {
     require_triangles(bvh, "a query of triangles");
-    const TreeFormat tree = format_of(bvh);
-    const QueryKernels kernels(device, tree, kind, options, file);
+    const QueryKernels kernels(device, format_of(bvh), kind, options, file);
     const auto named = [&](const KernelRequest& request) {
         const Kernel kernel = load_kernel(device, request);
         return name.empty() ? kernel : Kernel(device, kernel.handle(), name);
@@ -106,9 +99,9 @@ QueryKernel::QueryKernel(const Device& device, const Bvh& bvh, Kind kind, const 
     if (options.brute_force) return;
     const std::string stem = stem_of(kind, options);
     rays_per_item_ = std::max(1u, device.tuning(stem, "RAYS_PER_ITEM"));
-    group_ = kernels.in_batches ? 1 : device.tuning(stem, "GROUP_SIZE");
-    if (kernels.in_batches) {
-        most_in_batch_ = most_in_batch(device, tree, stem, options);
+    group_ = kernels.batch != 0 ? 1 : device.tuning(stem, "GROUP_SIZE");
+    most_in_batch_ = kernels.batch;
+    if (most_in_batch_ != 0) {
         sort_from_ = device.tuning(stem, "SORT_FROM");
         if (kernels.sample) sample_ = load_kernel(device, *kernels.sample);
     }

@@ -38,7 +38,8 @@ struct QueryKernels {
     std::vector<KernelRequest> trace;      // one, or two schedules of which one traces the rays
     std::optional<KernelRequest> retrace;  // the rays that met a cut-out
     std::optional<KernelRequest> sample;   // their order, if it pays to sort them
-    bool in_batches = false, in_queue = false;
+    std::uint32_t batch = 0;               // the largest; 0: rays are not traced in batches
+    bool in_queue = false;
 
     /// Of a tree of triangles; the other parameters are those of QueryKernel.
     QueryKernels(const Device& device, const TreeFormat& tree, QueryKind kind, const QueryOptions& options,

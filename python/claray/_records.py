@@ -140,8 +140,8 @@ class Light(Record):
 
 class Camera(Record):
     """A camera: position, target, up (three numbers each), vertical_fov (degrees), aperture_radius, focus_distance,
-    projection ("perspective", "orthographic"), orthographic_height (of the image; setting it makes rays
-    parallel). Errors as of Material."""
+    projection ("perspective", "orthographic", "panorama"), orthographic_height (of the image; setting it makes
+    rays parallel). Errors as of Material."""
 
     __slots__ = ()
     _kind, _make = "camera", _native.NativeCamera

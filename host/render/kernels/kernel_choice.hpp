@@ -1,10 +1,7 @@
-// Chooses the kernels with which a render begins, and those with which it continues once they are compiled. If the
-// kernels of the scene's own effects are in the cache, a render begins with them; else with the generic kernels, which
-// support every effect, if those are in the cache. On a machine where claray never ran it begins with quick kernels:
-// the scene's effects over the binary tree, whose traversal compiles in a fraction of the time. If only shading must be
-// compiled, that is done first. Meanwhile another process compiles, because a driver may hold a lock that stops all
-// kernels while it compiles (PoCL does). All kernels make the same image bit for bit, except that quick kernels of many
-// effects, which are not optimized, add up lights of lists in another order: their images differ by roundings.
+// Chooses the kernels with which a render begins, and those with which it continues once they are compiled: its own,
+// those of all effects, or quick ones (docs/effects.md, "Kernels at the start of a render"). Another process compiles
+// meanwhile. All make the same image bit for bit, but for quick kernels of many effects, which add up lists in another
+// order.
 #pragma once
 
 #include "claray/renderer.hpp"

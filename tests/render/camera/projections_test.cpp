@@ -59,5 +59,38 @@ TEST_P(Projections, TraceTheRaysOfTheHost) {
     }
 }
 
+/// A panorama of surroundings is the image of the surroundings: a pixel is a texel.
+TEST(Panorama, OfAnEnvironmentIsItsImage) {
+    const unsigned width = 16, height = 8;
+    Texture image{.width = width, .height = height};
+    image.format = TexelFormat::float32, image.channels = 3;
+    for (unsigned i = 0; i < width * height; ++i)
+        image.floats.insert(image.floats.end(), {0.1f + float(i % width), float(i / width), 1.f});
+    Scene scene = room();
+    for (glm::vec3& position : scene.meshes[0].positions) position = 1e-3f * position + glm::vec3(0, 0, 900);
+    scene.environment.images = {image};
+    scene.camera = Camera{.position = {0, 0, 0}, .target = {0, 0, -1}, .projection = Projection::panorama};
+    Renderer renderer(device(), scene, {.width = width, .height = height, .spp = 256});
+    renderer.render();
+    const std::vector<glm::vec3> pixels = renderer.image();
+    // A filter of the image takes means of neighbours, which a mean over the pixel does not change where they are
+    // linear.
+    for (unsigned y = 1; y + 1 < height; ++y)
+        for (unsigned x = 1; x + 1 < width; ++x) {
+            const unsigned i = y * width + x;
+            EXPECT_NEAR(pixels[i].x, 0.1f + float(x), 0.02f) << x << ' ' << y;
+            EXPECT_NEAR(pixels[i].y, float(y), 0.02f) << x << ' ' << y;
+        }
+}
+
+TEST(Panorama, HasNoLensAndNoMatrix) {
+    Scene scene = room();
+    scene.camera->projection = Projection::panorama;
+    const Renderer renderer(device(), scene, {.width = 8, .height = 4, .spp = 1});
+    EXPECT_THROW(static_cast<void>(renderer.gbuffer()), Error);
+    scene.camera->aperture_radius = 0.1f;
+    EXPECT_THROW(static_cast<void>(camera_data(*scene.camera, 2.f)), Error);
+}
+
 }  // namespace
 }  // namespace claray::test

@@ -5,9 +5,14 @@
 
 #include "claray/shared/portable.h"
 
+#ifndef __OPENCL_C_VERSION__
+#include <cmath>
+#endif
+
 // Values of CameraData::projection, and bit numbers in the kernels' PROJECTIONS.
 #define CLARAY_PERSPECTIVE 0u
 #define CLARAY_ORTHOGRAPHIC 1u
+#define CLARAY_PANORAMA 2u
 
 // A row is X(name, NAME, "name for users", flat, parallel, stretch):
 //   name      Projection::name, Effect::name, and below aim_name and place_name
@@ -17,7 +22,9 @@
 //   stretch   the angle that a step of `up` spans at the image's centre, over the length of `up`
 
 /// Every camera that is not perspective is an effect.
-#define CLARAY_OTHER_PROJECTIONS(X) X(orthographic, ORTHOGRAPHIC, "orthographic", 1, 1, 1.f)
+#define CLARAY_OTHER_PROJECTIONS(X)                          \
+    X(orthographic, ORTHOGRAPHIC, "orthographic", 1, 1, 1.f) \
+    X(panorama, PANORAMA, "panorama", 0, 0, 1.57079633f)
 
 #define CLARAY_PROJECTIONS(X)                             \
     X(perspective, PERSPECTIVE, "perspective", 1, 0, 1.f) \
@@ -27,8 +34,10 @@ CLARAY_SHARED_BEGIN
 
 #ifdef __OPENCL_C_VERSION__
 typedef float ProjectionReal;
+#define CLARAY_HALF_TURN 3.14159265f
 #else
 using ProjectionReal = double;
+#define CLARAY_HALF_TURN 3.14159265358979323846
 #endif
 
 /// A ray in the camera's axes: multiples of CameraData's `right`, `up` and `forward`. It starts in the plane of the
@@ -63,6 +72,19 @@ CLARAY_SHARED_FUNCTION ProjectionRay aim_orthographic(ProjectionReal x, Projecti
 CLARAY_SHARED_FUNCTION ProjectionPlace place_orthographic(ProjectionReal right, ProjectionReal up,
                                                           ProjectionReal forward) {
     const ProjectionPlace place = {right, up, forward > 0};
+    return place;
+}
+
+/// All directions: x is the longitude, y the latitude (equirectangular, as images of surroundings are).
+CLARAY_SHARED_FUNCTION ProjectionRay aim_panorama(ProjectionReal x, ProjectionReal y) {
+    const ProjectionReal longitude = CLARAY_HALF_TURN * x, latitude = CLARAY_HALF_TURN / 2 * y;
+    const ProjectionRay ray = {0, 0, sin(longitude) * cos(latitude), sin(latitude), cos(longitude) * cos(latitude)};
+    return ray;
+}
+CLARAY_SHARED_FUNCTION ProjectionPlace place_panorama(ProjectionReal right, ProjectionReal up, ProjectionReal forward) {
+    const ProjectionReal aside = sqrt(right * right + forward * forward);
+    const ProjectionPlace place = {atan2(right, forward) / CLARAY_HALF_TURN, atan2(up, aside) / (CLARAY_HALF_TURN / 2),
+                                   1};
     return place;
 }
 
