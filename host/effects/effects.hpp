@@ -1,6 +1,6 @@
 // Which macros of which kernels belong to an effect. A BSDF is an effect by its row in claray/shared/lists/bsdfs.h, a
 // kind of light by its row in lights.h. Any other new effect is a row of effects.h, who calls for it and how a scene is
-// stripped of it in effects_of.cpp, a scene that calls for it in effects_scene.cpp, and in the kernels conditions with
+// stripped of it in effects_of.cpp, a scene in tests/render/effects_test.cpp, and in the kernels conditions with
 // its macro. Its code must find nothing to do in scenes without the effect (an absent buffer is null, a count is 0):
 // kernels may know more than the scene needs.
 #pragma once
