@@ -67,6 +67,7 @@ const std::vector<Entry> entries = {
     {{"bsdf-sampling", "materials", "Sampled directions follow the stated density: chi-squared"}, bsdf_sampling},
     {{"shading-normals", "materials", "Shading normals face the viewer and reflect away from the surface"},
      shading_normals},
+    {{"nested-media", "images", "Light in bodies that touch, overlap or enclose others, against float64"}, nested_media},
     {{"self-intersection", "images", "Rays that leave a surface do not hit it at any scale, and begin close to it"},
      self_intersection},
     {{"nan-pixels", "images",

@@ -52,6 +52,9 @@ void bsdf_reciprocity(Run& run);
 void bsdf_sampling(Run& run);
 void shading_normals(Run& run);
 
+// media.cpp
+void nested_media(Run& run);
+
 // harmonics.cpp
 void spherical_harmonics(Run& run);
 
