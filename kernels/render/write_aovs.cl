@@ -8,6 +8,7 @@
 typedef struct Seen {
     bool missed;
     Hit hit;
+    uint material;
     Visits visits;
     ShadingPoint at;
 } Seen;
@@ -15,6 +16,7 @@ typedef struct Seen {
 static inline float aov_depth(const Seen* seen) { return seen->missed ? INFINITY : seen->hit.t; }
 static inline float3 aov_normal(const Seen* seen) { return seen->missed ? (float3)(0.0f) : seen->at.surface.shading; }
 static inline uint aov_primitive(const Seen* seen) { return seen->hit.primitive; }
+static inline uint aov_material(const Seen* seen) { return seen->material; }
 static inline uint aov_heat(const Seen* seen) { return seen->visits.nodes + seen->visits.triangles; }
 
 /// Denoisers expect values from 0 to 1 that differ between surfaces, including lamps.
@@ -48,6 +50,7 @@ kernel void write_aovs(Step step, SCENE_PARAMETERS, global const Ray* rays, glob
     Seen seen;
     seen.hit = hit_of(hits[i] INSTANCE_BUFFERS);
     seen.missed = seen.hit.primitive == CLARAY_MISS;
+    seen.material = seen.missed ? CLARAY_MISS : material_number_at(&step.frame, tables, seen.hit);
     seen.visits = visits[i];
     if (!seen.missed) surface_seen(&step.frame, SCENE, rays[i], hits[i], &seen.at);
     CLARAY_AOVS(WRITE)

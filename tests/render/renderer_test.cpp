@@ -337,6 +337,7 @@ TEST(Renderer, AovsAreOfThePixelCentres) {
             const std::size_t i = std::size_t(y) * 16 + x;
             if (std::abs(px) > 1 || std::abs(pz) > 1) {
                 EXPECT_EQ(aovs.primitive[i], CLARAY_MISS);
+                EXPECT_EQ(aovs.material[i], CLARAY_MISS);
                 EXPECT_EQ(aovs.depth[i], std::numeric_limits<float>::infinity());
                 EXPECT_EQ(aovs.normal[i], glm::vec3(0));
                 continue;
@@ -345,6 +346,7 @@ TEST(Renderer, AovsAreOfThePixelCentres) {
             EXPECT_NEAR(aovs.depth[i], std::sqrt(px * px + pz * pz + 16), 1e-5);
             EXPECT_NEAR(glm::distance(aovs.normal[i], scene.meshes[0].normals[0]), 0, 1e-6);
             EXPECT_EQ(aovs.albedo[i], glm::vec3(0.75f));
+            EXPECT_EQ(aovs.material[i], 1u);
             EXPECT_GT(aovs.heat[i], 0u);
         }
 }

@@ -13,6 +13,7 @@
     X(normal, direction, "XYZ", "shading normal, on the camera's side")           \
     X(albedo, color, "RGB", "albedo, plus emitted light up to 1")                 \
     X(primitive, identifier, "X", "number of the primitive, CLARAY_MISS if none") \
+    X(material, identifier, "X", "number of the material, CLARAY_MISS if none")   \
     X(heat, count, "X", "number of boxes and triangles tested")
 
 #endif
