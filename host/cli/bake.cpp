@@ -6,7 +6,7 @@
 #include "claray/io.hpp"
 #include "claray/renderer.hpp"
 #include "host/cli/commands.hpp"
-#include "host/cli/load.hpp"
+#include "host/cli/options/load.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/options/render_options.hpp"
 #include "host/cli/output/outputs.hpp"

@@ -5,7 +5,7 @@
 #include "claray/io.hpp"
 #include "claray/renderer.hpp"
 #include "host/cli/commands.hpp"
-#include "host/cli/load.hpp"
+#include "host/cli/options/load.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/options/view_options.hpp"
 #include "host/cli/output/outputs.hpp"

@@ -13,7 +13,7 @@
 #include "host/base/folders.hpp"
 #include "host/base/process.hpp"
 #include "host/cli/commands.hpp"
-#include "host/cli/load.hpp"
+#include "host/cli/options/load.hpp"
 #include "host/cli/options/render_flags.hpp"
 #include "host/cli/options/render_targets.hpp"
 #include "host/cli/output/messages.hpp"

@@ -118,7 +118,7 @@ KernelsOf<LightGridKernels> kernels_of_light_grid(const StageConfig& config) {
 
 KernelsOf<WavefrontKernels> kernels_of(const Device& device, const StageConfig& config) {
     using Kernels = WavefrontKernels;
-    KernelsOf<Kernels> kernels = {{&Kernels::empty_queues, {"render/empty_queues.cl", "empty_queues", {}}}};
+    KernelsOf<Kernels> kernels = {{&Kernels::empty_queues, {"render/queues/empty_queues.cl", "empty_queues", {}}}};
     if (config.task == PathTask::bake)
         kernels.push_back({&Kernels::generate, {"render/generate_texels.cl", "generate_texels", {}}});
     else
@@ -126,7 +126,7 @@ KernelsOf<WavefrontKernels> kernels_of(const Device& device, const StageConfig& 
             {&Kernels::generate, {"render/generate_rays.cl", "generate_rays", defines_for(config, Stage::generate)}});
     if (config.task == PathTask::sum_tiles) return kernels;
     if (!config.shaders.empty())
-        kernels.push_back({&Kernels::sort, {"render/sort_hits.cl", "sort_hits", config.structure.defines()}});
+        kernels.push_back({&Kernels::sort, {"render/queues/sort_hits.cl", "sort_hits", config.structure.defines()}});
     if (config.is_lit && !shadow_rays_add_light(device, config))
         kernels.push_back({&Kernels::add_light, {"render/add_light.cl", "add_light", {}}});
     return kernels;

@@ -28,7 +28,7 @@ protected:
         return fresh;
     }
     static ProgramRequest program(const char* never_seen) {
-        return {"render/empty_queues.cl", {{"CLARAY_TEST", never_seen}}};
+        return {"render/queues/empty_queues.cl", {{"CLARAY_TEST", never_seen}}};
     }
     static void compile_and_load(const Device& on) {
         KernelSet set;
@@ -124,11 +124,11 @@ TEST_F(CompilerProcesses, AnswerEachProgram) {
     AnsweringProcess compiler(
         {CLARAY_PROGRAM, "compile", "--serve", "--device", std::to_string(device().info().index)});
     EXPECT_EQ(compiler.ask("no_such.cl\t"), "failed");
-    EXPECT_EQ(compiler.ask("render/empty_queues.cl"), "done");
-    EXPECT_EQ(compiler.ask("render/empty_queues.cl\tuint=nonsense("), "failed");
+    EXPECT_EQ(compiler.ask("render/queues/empty_queues.cl"), "done");
+    EXPECT_EQ(compiler.ask("render/queues/empty_queues.cl\tuint=nonsense("), "failed");
     EXPECT_FALSE(compiler.has_ended());
     AnsweringProcess none({"/bin/true"});
-    EXPECT_EQ(none.ask("render/empty_queues.cl"), "");
+    EXPECT_EQ(none.ask("render/queues/empty_queues.cl"), "");
     EXPECT_TRUE(none.has_ended());
     EXPECT_TRUE(AnsweringProcess({"/no/such/program"}).has_ended());
 }

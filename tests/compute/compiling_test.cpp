@@ -27,7 +27,7 @@ protected:
     }
     static KernelsOf<Three> kernels() {
         const auto request = [](const char* never_seen) {
-            return KernelRequest{"render/empty_queues.cl", "empty_queues", {{"CLARAY_TEST", never_seen}}};
+            return KernelRequest{"render/queues/empty_queues.cl", "empty_queues", {{"CLARAY_TEST", never_seen}}};
         };
         return {{&Three::a, request("81")}, {&Three::b, request("82")}, {&Three::c, request("83")}};
     }

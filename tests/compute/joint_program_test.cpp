@@ -68,9 +68,9 @@ TEST(JointProgram, CompilesOnceAndServesThoseWhoAsk) {
     };
     const unsigned before = compile_statistics().compiled;
     load_jointly(device(),
-                 set_of({"render/resolve_film.cl", "render/measure_film.cl", "render/empty_queues.cl"}, never_seen));
+                 set_of({"render/resolve_film.cl", "render/measure_film.cl", "render/queues/empty_queues.cl"}, never_seen));
     EXPECT_EQ(compile_statistics().compiled, before + 1);
-    Kernel empty_queues = load("render/empty_queues.cl", "empty_queues");
+    Kernel empty_queues = load("render/queues/empty_queues.cl", "empty_queues");
     (void)load("render/measure_film.cl", "measure_film");
     EXPECT_EQ(compile_statistics().compiled, before + 1) << "found in memory";
     expect_that_it_empties_queues(empty_queues);
@@ -82,7 +82,7 @@ TEST(KernelSets, AreThereWhenKernelsAreLoaded) {
         const ScopedEnvironment empty("CLARAY_CACHE_DIR", folder.path().string());
         const ScopedTuning tuning("compute/programs", "SIDE_BY_SIDE", side_by_side);
         const Defines never_seen = {{"CLARAY_TEST", std::to_string(84 + side_by_side)}};
-        KernelSet set = set_of({"render/resolve_film.cl", "bvh/bounds.cl", "render/empty_queues.cl"}, never_seen);
+        KernelSet set = set_of({"render/resolve_film.cl", "bvh/bounds.cl", "render/queues/empty_queues.cl"}, never_seen);
         set.add(set_of({"bvh/bounds.cl"}, never_seen));
         EXPECT_EQ(set.programs().size(), 3u) << "each once";
         EXPECT_FALSE(are_cached(device(), set));
@@ -92,7 +92,7 @@ TEST(KernelSets, AreThereWhenKernelsAreLoaded) {
         EXPECT_TRUE(are_cached(device(), set));
         for (const char* function : {"reset_header", "finish_bounds"})
             (void)load_kernel(device(), "bvh/bounds.cl", function, never_seen);
-        Kernel empty_queues = load_kernel(device(), "render/empty_queues.cl", "empty_queues", never_seen);
+        Kernel empty_queues = load_kernel(device(), "render/queues/empty_queues.cl", "empty_queues", never_seen);
         EXPECT_EQ(compile_statistics().compiled, before.compiled + 3);
         EXPECT_EQ(compile_statistics().from_cache, before.from_cache) << "found in memory";
         expect_that_it_empties_queues(empty_queues);
@@ -111,11 +111,11 @@ TEST(JointProgram, IsForgottenWhereItIsSlow) {
     const TemporaryFolder folder;
     const ScopedEnvironment empty("CLARAY_CACHE_DIR", folder.path().string());
     const auto empty_queues = [&](const char* value) {
-        return load_kernel(device(), "render/empty_queues.cl", "empty_queues", {{"CLARAY_TEST", value}});
+        return load_kernel(device(), "render/queues/empty_queues.cl", "empty_queues", {{"CLARAY_TEST", value}});
     };
     for (const bool optimized : {true, false}) {
         const char* value = optimized ? "78" : "79";
-        load_jointly(device(), set_of({"render/empty_queues.cl", "render/add_light.cl"}, {{"CLARAY_TEST", value}}),
+        load_jointly(device(), set_of({"render/queues/empty_queues.cl", "render/add_light.cl"}, {{"CLARAY_TEST", value}}),
                      optimized);
         const unsigned before = compile_statistics().compiled;
         Kernel kernel = empty_queues(value);

@@ -1,5 +1,5 @@
 // The stages of the wavefront, as seen in images: render/generate_rays.cl, render/shade_surface.cl,
-// render/add_light.cl, render/empty_queues.cl and render/write_aovs.cl.
+// render/add_light.cl, render/queues/empty_queues.cl and render/write_aovs.cl.
 #include "claray/renderer.hpp"
 
 #include <gtest/gtest.h>

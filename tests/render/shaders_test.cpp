@@ -1,4 +1,5 @@
-// A kernel for each kind of material: which there are, and that they change no bit of an image.
+// A kernel for each kind of material: which there are, and that they change no bit of an image
+// (render/queues/sort_hits.cl).
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "claray/io.hpp"
-#include "host/cli/load.hpp"
+#include "host/cli/options/load.hpp"
 
 namespace claray::cli {
 

@@ -1,4 +1,4 @@
-#include "host/cli/load.hpp"
+#include "host/cli/options/load.hpp"
 
 #include <algorithm>
 #include <cmath>
