@@ -201,8 +201,8 @@ using identifier = std::uint32_t;
 using count = std::uint32_t;
 }  // namespace aov_kinds
 
-/// Data of the first surface that is visible at each pixel's centre: `depth`, `normal`, `albedo`, `primitive` and
-/// `heat`. Each is a vector of width * height elements, row by row from the top left.
+/// Data of the first surface that is visible at each pixel's centre, such as `depth`: claray/shared/lists/aovs.h lists
+/// them. Each is a vector of width * height elements, row by row from the top left.
 struct Aovs {
 #define CLARAY_MEMBER(name, kind, letters, meaning) std::vector<aov_kinds::kind> name = {};
     CLARAY_AOVS(CLARAY_MEMBER)

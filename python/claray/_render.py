@@ -81,7 +81,7 @@ class Renderer(Handle):
 
     def aovs(self) -> dict[str, NDArray[Any]]:
         """Of the first surface at each pixel's centre: 'depth' (distance, inf: nothing), 'normal', 'albedo', 'primitive'
-        (MISS: nothing) and 'heat' (boxes and triangles tested), each (height, width) or (height, width, 3)."""
+        and 'material' (numbers; MISS: nothing), and 'heat' (boxes and triangles tested), each (height, width) or (height, width, 3)."""
         return self._native.aovs()
 
     def update(self, scene: Scene, *, camera: bool = False, lights: bool = False, materials: bool = False, sky: bool = False) -> None:
