@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <chrono>
 
 #include "claray/effects.hpp"
 #include "claray/io.hpp"
@@ -98,15 +97,11 @@ TEST(WholePaths, HeedMacrosOfShading) {
     EXPECT_NE(image_by(99, 1), image_by(99, 3));
 }
 
-/// Without it they would be compiled after the patience. What is known to be cached is noted for a tuning of the
-/// device: of one that no test ever had nothing is known, while the cache still holds the kernels that other tests
-/// compiled.
+/// Without it they would be loaded after a part of the patience, which no test lasts.
 TEST(WholePaths, AreCompiledBeforehandIfAsked) {
-    const Device unknown = following(99, 100'000, 3'600'000);
-    unknown.set_tuning("tests/whole_paths", "RUN",
-                       unsigned(std::chrono::system_clock::now().time_since_epoch().count()));
+    const Device patient = following(99, 100'000, 360'000'000);
     for (const bool asks : {false, true}) {
-        Renderer renderer(unknown, scene_named("cornell"), small_config());
+        Renderer renderer(patient, scene_named("cornell"), small_config());
         (void)renderer.render_for(0);
         if (asks) renderer.load_kernels();
         (void)renderer.render();
