@@ -97,7 +97,7 @@ static inline void draw_samples16(const Step* step, uint first, uint end, bool p
     const uint16 seeds = hash_words_of_16(vload16(0, pixel), (uint16)(step->frame.seed)), numbers = vload16(0, number);
     for (uint which = first; which < end; ++which) {
         const uint dimension = which == AT_LOBE ? DIMENSION_LOBE(step->depth) : DIMENSION_LIGHT(step->depth) + which;
-        const SamplePairs16 pairs = sample_pair_of_16(SAMPLER, seeds, numbers, (uint16)(dimension));
+        const SamplePair16 pairs = sample_pair_of_16(SAMPLER, seeds, numbers, (uint16)(dimension));
         vstore16(pairs.x, 0, words);
         for (uint k = 0; k < 16; ++k) ((uint*)&group->samples[k].x)[which] = words[k];
         if (!pairs_wanted) continue;
