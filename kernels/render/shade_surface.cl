@@ -94,10 +94,10 @@ typedef struct HitGroup {
 static inline void draw_samples16(const Step* step, uint first, uint end, bool pairs_wanted, HitGroup* group) {
     uint pixel[16], number[16], words[16];
     for (uint k = 0; k < 16; ++k) pixel[k] = group->state[k].pixel, number[k] = group->state[k].sample;
-    const uint16 seeds = hash_words_of_16(vload16(0, pixel), (uint16)(step->frame.seed)), numbers = vload16(0, number);
+    const uint16 seeds = hash_words16(vload16(0, pixel), (uint16)(step->frame.seed)), numbers = vload16(0, number);
     for (uint which = first; which < end; ++which) {
         const uint dimension = which == AT_LOBE ? DIMENSION_LOBE(step->depth) : DIMENSION_LIGHT(step->depth) + which;
-        const SamplePair16 pairs = sample_pair_of_16(SAMPLER, seeds, numbers, (uint16)(dimension));
+        const SamplePair16 pairs = sample_pair16(SAMPLER, seeds, numbers, (uint16)(dimension));
         vstore16(pairs.x, 0, words);
         for (uint k = 0; k < 16; ++k) ((uint*)&group->samples[k].x)[which] = words[k];
         if (!pairs_wanted) continue;
