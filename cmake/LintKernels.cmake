@@ -105,7 +105,7 @@ message(STATUS "all ${count} kernels compile alone, for CPUs, GPUs and NVIDIA's"
 
 # What a scene does not call for costs nothing: of the functions for BSDFs, textures, lights and surfaces, the kernel with the macros of
 # the Cornell box calls only these. The macros are those of host/effects/effects.cpp, so that a new effect is off here, too.
-set(diffuse_functions "bsdf/(bsdf|kinds|lambert|types)|lights/(light|light_sixteen|light_triangle|light_types)|shade/surface(_at_hit|_lanes|_sixteen)?")
+set(diffuse_functions "bsdf/(bsdf|kinds|lambert|types)|lights/(light|light_sixteen|light_triangle|light_types|lanes/view_lanes|lanes/triangle_lanes)|shade/surface(_at_hit|_lanes|_sixteen)?")
 set(passed_through "(eval|sample)_(layers|below_coat)|shading_frame_of")  # return at once, or call the next
 file(STRINGS "${SOURCE_DIR}/host/effects/effects.cpp" rows REGEX "EffectRow{.*\"[A-Z_]+\", [A-Z_0-9]+, .*shade")
 set(macros -DMATERIALS=1)
