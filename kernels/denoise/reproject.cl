@@ -67,14 +67,16 @@ kernel void blend_history(FilterStep step, float samples, float most, global con
     ages[i] = has_light(here) ? samples : 0.0f;
     if (!has_light(here) || 2.0f * old_ages[i] < samples) return;
     const int x = (int)(i % step.width), y = (int)(i / step.width);
-    const float4 surface = pixel_at(step, surfaces, i), before = pixel_at(step, old, i);
+    const Pixel surface = pixel_of(pixel_at(step, surfaces, i));
+    const float4 before = pixel_at(step, old, i);
+    const float divisor = depth_divisor(surface, slopes[i]);
     float difference = 0.0f, variance = 1e-30f;
     for (int dy = -3; dy <= 3; ++dy)
         for (int dx = -3; dx <= 3; ++dx) {
             const uint at = neighbour(step, x + dx, y + dy);
             const float4 now = pixel_at(step, fresh, at), then = pixel_at(step, old, at);
             if (!has_light(now) || old_ages[at] == 0.0f) continue;
-            const float weight = fading(surface_distance(surface, slopes[i], pixel_at(step, surfaces, at), (float)dx, (float)dy));
+            const float weight = fading(surface_distance(surface, slopes[i], divisor, pixel_of(pixel_at(step, surfaces, at)), (float)dx, (float)dy));
             difference += weight * (luminance(now.xyz) - luminance(then.xyz));
             variance += weight * weight * (now.w + then.w);
         }

@@ -15,7 +15,7 @@ kernel void generate_rays(Batch batch, FrameData of_frame, uint centers, global 
     const uint16 lanes = (uint16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
     const uint16 paths = begin + lanes, of_batch = quotients16(paths, batch.samples);
     const uint16 pixels = pixels_of_16(batch, TABLE(uint, listed_pixels), of_batch);
-    const uint16 seeds = hash_words_of_16(pixels, (uint16)(frame->seed));
+    const uint16 seeds = hash_words16(pixels, (uint16)(frame->seed));
     const uint16 numbers = first_samples_of_16(batch, TABLE(uint, listed_pixels), of_batch) + (paths - of_batch * batch.samples);
     store_first_rays16(frame, pixels, seeds, numbers, centers, count, rays + begin, times + begin);
     float4 names[16];

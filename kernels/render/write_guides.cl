@@ -48,7 +48,7 @@ kernel void guide_rays(GuideStep guide, global const GuideRun* runs, global cons
         const PathState state = guided_state(&guide, runs, begin + min(i, count - 1u), list);
         pixel[i] = state.pixel, number[i] = state.sample;
     }
-    const uint16 pixels = vload16(0, pixel), seeds = hash_words_of_16(pixels, (uint16)(guide.step.frame.seed));
+    const uint16 pixels = vload16(0, pixel), seeds = hash_words16(pixels, (uint16)(guide.step.frame.seed));
     store_first_rays16(&guide.step.frame, pixels, seeds, vload16(0, number), 0u, count, rays + begin, times + begin);
 }
 #else
