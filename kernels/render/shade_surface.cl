@@ -1,6 +1,6 @@
 // The stage between two traces: shades hits (shade_hit.clh).
 #include "claray/shared/lists/effects.h"
-#include "render/queue.clh"
+#include "render/queues/ray_list.clh"
 #include "render/shade_hit.clh"
 
 #ifndef GROUP_SIZE
@@ -8,9 +8,6 @@
 #endif
 #ifndef PATHS_PER_ITEM
 #define PATHS_PER_ITEM 64  // consecutive rays that an item shades on CPUs; 1 on GPUs
-#endif
-#ifndef SORTED
-#define SORTED 0  // 1: the rays of a list, which met surfaces of some kinds of materials (sort_hits.cl)
 #endif
 #ifndef SIXTEEN
 #define SIXTEEN 1  // 1: sixteen rays at once if the scene allows it
@@ -108,11 +105,6 @@ static inline void store_shadow(const ShadedRay* shaded, global ShadowQueue* que
     if (INSTANCE_MOTION) times_of_shadows(queue, room)[slot] = shaded->time;
 }
 
-/// The rays that a kernel shades: those with the numbers of a list, or all.
-typedef struct RayList { global const uint* numbers; } RayList;
-
-static inline uint number_in(RayList list, uint i) { return SORTED ? list.numbers[i] : i; }
-
 #if CLARAY_CPU
 #include "render/groups/batches.clh"
 #endif
@@ -123,20 +115,11 @@ static inline uint number_in(RayList list, uint i) { return SORTED ? list.number
 kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
 void shade_surface(Step step, SCENE_PARAMETERS, global QueueLength* lengths, global ulong* totals,
                    global RayQueue* queue, global const SceneHit* hits, global RayQueue* next_queue,
-                   global ShadowQueue* shadow_queue, global float* radiance
-#if SORTED
-                   , global const uint* sorted, uint shader
-#endif
-) {
+                   global ShadowQueue* shadow_queue, global float* radiance RAY_LIST_PARAMETERS) {
     const uint depth = step.depth;
-#if SORTED
-    const uint all = *length_of_shader(lengths, depth, shader);
-    const RayList list = {sorted + shader * (size_t)step.room};
-#else
-    const uint all = min(*length_of_rays(lengths, depth), step.capacity), shader = 0u;
-    const RayList list = {0};
-#endif
-    if (shader == 0u && get_global_id(0) == 0)
+    const RayList list = RAY_LIST(step, lengths);
+    const uint all = list.count;
+    if (IS_FIRST_SHADER && get_global_id(0) == 0)
         count_spent(length_of_rays(lengths, depth + 2), length_of_shadows(lengths, depth + 1), totals);
     global uint* next_length = length_of_rays(lengths, depth + 1);
     global uint* shadow_length = length_of_shadows(lengths, depth);

@@ -52,6 +52,7 @@ TEST(JointProgram, GivesEachFileItsOwnMacros) {
 void expect_that_it_empties_queues(Kernel& kernel) {
     std::vector<QueueLength> queues;
     for (const std::uint32_t length : {7u, 5u, 1u, 3u, 2u}) queues.push_back({length, {}});
+    queues.resize(CLARAY_QUEUE_LENGTHS, {9, {}});  // lists of the rays that are counted above
     const Buffer<QueueLength> lengths(device(), queues);
     const Buffer<std::uint64_t> totals(device(), std::vector<std::uint64_t>{10, 20});
     kernel.run({1, 0}, lengths, totals);
