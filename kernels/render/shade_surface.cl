@@ -118,23 +118,22 @@ void shade_surface(Step step, SCENE_PARAMETERS, global QueueLength* lengths, glo
                    global ShadowQueue* shadow_queue, global float* radiance RAY_LIST_PARAMETERS) {
     const uint depth = step.depth;
     const RayList list = RAY_LIST(step, lengths);
-    const uint all = list.count;
     if (IS_FIRST_SHADER && get_global_id(0) == 0)
         count_spent(length_of_rays(lengths, depth + 2), length_of_shadows(lengths, depth + 1), totals);
     global uint* next_length = length_of_rays(lengths, depth + 1);
     global uint* shadow_length = length_of_shadows(lengths, depth);
 #if CLARAY_CPU
     const NextQueues to = {next_length, shadow_length, next_queue, shadow_queue};
-    const uint begin = (uint)get_global_id(0) * PATHS_PER_ITEM, end = min(begin + PATHS_PER_ITEM, all);
-    shade_batches(&step, SCENE, queue, hits, list, begin, end, all, &to, radiance);
+    const uint begin = (uint)get_global_id(0) * PATHS_PER_ITEM, end = min(begin + PATHS_PER_ITEM, list.count);
+    shade_batches(&step, SCENE, queue, hits, list, begin, end, &to, radiance);
 #else
     local uint scratch[2];
     ShadedRay shaded;
     shaded.next.wanted = shaded.shadow.wanted = false;
     const uint at = get_global_id(0);
-    if (get_group_id(0) * GROUP_SIZE >= all) return;
-    const uint number = number_in(list, min(at, all - 1u));
-    if (at < all) shade_rays(&step, SCENE, queue, hits, &number, 1u, radiance, &shaded);
+    if (get_group_id(0) * GROUP_SIZE >= list.count) return;
+    const uint number = number_in(list, min(at, list.count - 1u));
+    if (at < list.count) shade_rays(&step, SCENE, queue, hits, &number, 1u, radiance, &shaded);
     const uint slot = reserve_slot(next_length, shaded.next.wanted, scratch);
     if (shaded.next.wanted) store_next(&shaded, next_queue, step.room, slot);
     if (!LIGHTS) return;
