@@ -91,21 +91,21 @@ struct StudyOptions {
     std::uint32_t reference_seed = ReferenceOptions{}.seed;
     /// Called after a reference, before renders are timed: may wait for what would disturb them.
     std::function<void()> before_timing = {};
-    /// Receives an unfinished study whenever a study of images has measured more of its points. Findings are missing.
+    /// Receives an unfinished study whenever a study of images has measured more of its points. It has no findings yet.
     std::function<void(const Study& so_far)> measured = {};
 };
 
-/// What every setting of a study of images is to take at least, and how many times as many samples the largest has.
+/// The least time of a setting in a study of images, and the samples of the largest setting over those of the smallest.
 struct StudyScale {
     double seconds = 0.02;
     unsigned span = 128;  ///< a power of two
 };
 
 /// Chooses size, samples and rays so that every setting of a study of images takes the device at least 20 ms. The
-/// largest one takes 128 times as long, or what `scale` says. Then samples take the time, not the starts of
-/// kernels, and a slope is visible over two decades. Settings that take long are rendered fewer times, so that all
-/// studies of a scene take about a minute. Measures the scene for about a second, compiling not included. `keep_size`,
-/// `keep_spp` and `keep_rays`: leave the values of `options` as they are.
+/// largest setting has 128 times the samples of the smallest, or as `scale` says. Then sampling takes most of the time,
+/// not the launch of kernels. The slope of the error is visible over two decades of samples. Settings that take long
+/// are rendered fewer times, so that all studies of a scene take about a minute. Measures the scene for about a second,
+/// compiling not included. `keep_size`, `keep_spp` and `keep_rays`: leave the values of `options` as they are.
 [[nodiscard]] StudyOptions at_scale(const Device& device, const Scene& scene, StudyOptions options, bool keep_size,
                                     bool keep_spp, bool keep_rays, const StudyScale& scale = {});
 
@@ -113,8 +113,8 @@ struct StudyScale {
 [[nodiscard]] Study study_sampling(const Device& device, const Scene& scene, const StudyOptions& options,
                                    const AccuracyProgress& progress = {});
 
-/// Checks the errors that study_sampling reports: measures its images again, against a reference with other seeds and
-/// 16 times the samples.
+/// Checks the errors that study_sampling reports: measures its images again, against a second reference with other
+/// seeds and 16 times the samples of the first one.
 struct ErrorCheck {
     Study reported, independent;
     unsigned points = 0, within = 0;  ///< points in both studies, and those of them whose errors agree within 10 %
@@ -125,7 +125,7 @@ struct ErrorCheck {
                                       const AccuracyProgress& progress = {});
 
 /// Error against samples per pixel for other techniques: only light sampling, only BSDF sampling, no Russian roulette.
-/// If lists or a light tree select among several lights, also selection by power.
+/// If light lists or a light tree select among several lights, also selection by power.
 [[nodiscard]] Study study_techniques(const Device& device, const Scene& scene, const StudyOptions& options,
                                      const AccuracyProgress& progress = {});
 
@@ -134,9 +134,10 @@ struct ErrorCheck {
 [[nodiscard]] Study study_denoising(const Device& device, const Scene& scene, const StudyOptions& options,
                                     const AccuracyProgress& progress = {});
 
-/// Bias, which does not decrease with more samples, of three kinds. Paths end at 1 to 16 surfaces (1: direct light
+/// Bias, which does not decrease with more samples, of several kinds. Paths end at 1 to 128 surfaces (1: direct light
 /// only). Samples are clamped at multiples of the image's mean. No light reaches a diffuse surface via mirrors or
-/// smooth glass. The errors contain no noise: two independent renders are multiplied, E[(a - r)(b - r)] = bias^2.
+/// smooth glass. Ambient occlusion or one of StudyOptions::approximations replaces part of the light. The errors
+/// contain no noise: two independent renders are multiplied, E[(a - r)(b - r)] = bias^2.
 [[nodiscard]] Study study_bias(const Device& device, const Scene& scene, const StudyOptions& options,
                                const AccuracyProgress& progress = {});
 

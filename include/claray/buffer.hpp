@@ -69,7 +69,7 @@ public:
         auto memory = host.empty() ? nullptr : detail::in_place(device, host.data(), host.size_bytes());
         return memory ? Buffer(device, std::move(memory), host.size()) : Buffer(device, host);
     }
-    /// The same for results: nothing is copied to the device. Call `fetch` with the same memory to see what kernels
+    /// As `over`, for results: nothing is copied to the device. Call `fetch` with the same memory to see what kernels
     /// wrote.
     [[nodiscard]] static Buffer under(const Device& device, std::span<T> host) {
         auto memory = host.empty() ? nullptr : detail::in_place(device, host.data(), host.size_bytes());

@@ -34,11 +34,12 @@ enum class Layout {
 #define CLARAY_OTHER_BUILDERS(X) X(binned, BINNED, "binned SAH, nothing split", 0, 0)
 #define CLARAY_BUILDERS(X) CLARAY_PLANNED_BUILDERS(X) CLARAY_OTHER_BUILDERS(X)
 
-/// How the tree is built: build time for trace speed. `fast`: linear BVH (Apetrei 2014). `balanced`: hierarchical
-/// locally-ordered clustering (Benthin et al. 2024). `high`: binned SAH from the root down, over large triangles split
-/// into several boxes (Stich et al. 2009). `binned`: binned SAH alone (Wald 2007), for geometry that is refitted.
-/// `automatic`: `high` on GPUs, where it builds sponza in 4 ms, else `balanced` (bvh/automatic of kernels/tuning.txt);
-/// for geometry that stays. Use `fast` for geometry that is built again every frame.
+/// How the tree is built. The builders differ in build time and trace speed. `fast`: linear BVH (Apetrei 2014).
+/// `balanced`: hierarchical locally-ordered clustering (Benthin et al. 2024). `high`: binned SAH from the root down,
+/// over large triangles split into several boxes (Stich et al. 2009). `binned`: binned SAH alone (Wald 2007), for
+/// geometry that is refitted. `automatic`: `high` on GPUs, where it builds sponza in 4 ms, else `balanced`
+/// (bvh/automatic of kernels/tuning.txt); for geometry that stays. Use `fast` for geometry that is built again every
+/// frame.
 enum class Builder {
 #define CLARAY_ROW(name, NAME, note, codes, splits) name,
     CLARAY_BUILDERS(CLARAY_ROW)
@@ -116,16 +117,16 @@ public:
         double split_budget = 0.5;
         /// Binary layout only: largest number of triangles per leaf, up to 4, if the surface area heuristic prefers it.
         unsigned max_leaf_triangles = 4;
-        /// Whether queries may replace the tree by one of `high`, which a thread builds. This happens after at least
-        /// 100 batches of rays that took as long as ten such builds take. It must save at least 3 % of the time
-        /// of batches that are traced in both trees. Hits stay the same bit for bit. Both trees then stay in memory,
-        /// and the build takes at most half of the memory that is left. Unset: if `builder` is automatic.
+        /// Whether queries may replace the tree by one of `high`, which a thread builds. The thread begins after at
+        /// least 100 batches of rays that took as long as ten such builds take. The new tree must save at least 3 % of
+        /// the time of batches that are traced in both trees. Hits stay the same bit for bit. Both trees then stay in
+        /// memory, and the build takes at most half of the memory that is left. Unset: if `builder` is automatic.
         ///
         /// Rays are those of closest_hit, any_hit and Query for this Bvh (claray/query.hpp), but not with masks, a
         /// filter, `visits`, `brute_force` or `count`: such queries always trace the first tree. Times need a queue
         /// with CL_QUEUE_PROFILING_ENABLE. `refit` and `rebuild` return to the first tree for good; they wait while the
-        /// thread reads it. The destructor of the last handle waits for a build. So do not let either wait for a user
-        /// event that the same thread sets later.
+        /// thread reads it. The destructor of the last handle waits for a build. Do not call these functions, or
+        /// destroy that handle, while the queue waits for a user event that the same thread sets later.
         std::optional<bool> learns = {};
     };
 
@@ -150,9 +151,9 @@ public:
     /// be refitted and rebuilt. The data is written to a temporary file, which is then renamed. Throws ErrorKind::user
     /// on failure.
     void save(const std::filesystem::path& path) const;
-    /// Loads a saved structure on any device. A wide tree is made from the binary tree in the file. It does not learn.
-    /// Throws ErrorKind::user, naming the file, if the file cannot be read, is damaged, or was written by another
-    /// version.
+    /// Loads a saved structure on any device. A wide tree is made from the binary tree in the file. Queries do not
+    /// replace its tree (Config::learns). Throws ErrorKind::user, naming the file, if the file cannot be read, is
+    /// damaged, or was written by another version.
     [[nodiscard]] static Bvh load(const Device& device, const std::filesystem::path& path,
                                   Layout layout = Layout::automatic);
 

@@ -48,13 +48,13 @@ struct DeviceInfo {
 class Device {
 public:
     /// Opens a device by "cpu", "gpu", an index of `list_devices()` or a part of its name (case-insensitive). If
-    /// `selector` is empty, $CLARAY_DEVICE is used; if that is unset, the first GPU, else the first device. Throws
-    /// ErrorKind::usage, listing the devices, if no device or more than one matches.
+    /// `selector` is empty, $CLARAY_DEVICE is used. If that is unset, too, the first GPU is opened, or the first device
+    /// if there is no GPU. Throws ErrorKind::usage, listing the devices, if no device or more than one matches.
     [[nodiscard]] static Device open(const std::string& selector = {});
 
     /// Opens several devices: selectors of `open`, separated by commas, or "all": every GPU and accelerator, and the
     /// CPU once, even if several platforms list it. A CPU beside GPUs leaves some of its compute units to the threads
-    /// that keep them busy. Throws as `open` does, and ErrorKind::usage for a device that is named twice.
+    /// that keep the GPUs busy. Throws as `open` does, and ErrorKind::usage for a device that is named twice.
     [[nodiscard]] static std::vector<Device> open_several(const std::string& selectors = {});
 
     /// Uses a context and an in-order queue of the host program. Both are retained. Times are measured only if the
@@ -75,8 +75,8 @@ public:
     [[nodiscard]] const cl::CommandQueue& queue() const noexcept;
     [[nodiscard]] Profiler& profiler() const noexcept;
 
-    /// Returns a value of the tuning table (kernels/tuning.txt) for this device: from the row with the most specific
-    /// device pattern.
+    /// Returns a value of the tuning table (kernels/tuning.txt) for this device: from the last row whose pattern
+    /// matches the device.
     [[nodiscard]] unsigned tuning(const std::string& kernel, const std::string& parameter) const;
     /// Overrides a tuning value for this device. It takes effect for programs compiled later.
     void set_tuning(const std::string& kernel, const std::string& parameter, unsigned value) const;

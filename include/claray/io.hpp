@@ -74,7 +74,7 @@ struct LoadOptions {
 /// resolved, and the faces of one group or object form one mesh. Lines and points become tubes and spheres.
 /// docs/formats.md tells the meaning of each MTL key. A missing MTL or image causes a warning and grey. Throws
 /// ErrorKind::user, naming the file (and the line, if known), for a missing or empty file, an index out of range, and a
-/// file without faces and points. So it does for an image that is damaged or too large.
+/// file without faces and points. It also throws for an image that is damaged or too large.
 [[nodiscard]] Scene load_obj(const std::filesystem::path& path, Warnings& warnings);
 
 /// Loads a PLY, text or binary, as one grey mesh: the elements vertex (positions, normals, texture coordinates,
@@ -94,13 +94,12 @@ struct LoadOptions {
 /// by several nodes, meshes are stored in world space; otherwise Scene::instances places them. Unsupported content is
 /// left out with a warning; a missing image is grey, with a warning. Throws ErrorKind::usage, listing the names in the
 /// file, for an unknown choice. Throws ErrorKind::user, naming the file and the object, for invalid content and an
-/// unknown required extension. So it does for a buffer that is missing or outside the file's folder, and an image that
-/// is damaged or too large.
+/// unknown required extension. It also throws for a buffer that is missing or outside the file's folder, and for an
+/// image that is damaged or too large.
 [[nodiscard]] Scene load_gltf(const std::filesystem::path& path, Warnings& warnings, const LoadOptions& options = {});
 
-/// Returns how long the animation of a glTF is that `options` choose, in seconds: the time of the last key, or
-/// 0 if the file does not state it. Returns nothing for other names and files without an animation. Throws as
-/// load_gltf.
+/// Returns the duration of the glTF animation that `options` choose, in seconds: the time of the last key, or 0 if the
+/// file does not state it. Returns nothing for other names and files without an animation. Throws as load_gltf.
 [[nodiscard]] std::optional<double> animation_seconds(const std::string& name_or_path, const LoadOptions& options = {});
 
 /// Loads a built-in scene by name, or else a file by its extension (.obj, .ply, .stl, .gltf, .glb), or by its content
@@ -138,8 +137,9 @@ void flip_fronts(Scene& scene);
 void write_texture(const std::filesystem::path& path, const Texture& texture);
 
 /// Loads an image in latitude and longitude, an OpenEXR cube map (its attribute `envmap` tells), or a folder with the
-/// faces of a cube. Those are px nx py ny pz nz, with any extension that load_image reads. Negative values count as 0
-/// and infinite ones as the largest other, with a warning. Throws ErrorKind::user, naming the file.
+/// faces of a cube. The files of the faces are named px nx py ny pz nz, with any extension that load_image reads.
+/// Negative values count as 0 and infinite ones as the largest other, with a warning. Throws ErrorKind::user, naming
+/// the file.
 [[nodiscard]] Environment load_environment(const std::filesystem::path& path, Warnings& warnings);
 [[nodiscard]] Environment load_environment(const std::filesystem::path& path);
 
@@ -161,10 +161,10 @@ struct ImageLayer {
 void write_exr(const std::filesystem::path& path, unsigned width, unsigned height,
                const std::vector<ImageLayer>& layers);
 
-/// Writes an image by extension: .png (tone mapped, sRGB, 8 bits), .hdr (Radiance RGBE), .pfm or .exr (float32). All
-/// but the first are linear and ignore exposure (in stops) and tone map. The data is written to a temporary file,
-/// synced and renamed, so that no partial image remains. Throws ErrorKind::usage for another extension, ErrorKind::user
-/// if the file cannot be written.
+/// Writes an image by extension: .png (tone mapped, sRGB, 8 bits), .hdr (Radiance RGBE), .pfm or .exr (float32). The
+/// formats other than .png are linear and ignore exposure (in stops) and tone map. The data is written to a temporary
+/// file, synced and renamed, so that no partial image remains. Throws ErrorKind::usage for another extension,
+/// ErrorKind::user if the file cannot be written.
 void write_image(const std::filesystem::path& path, const Image& image, float exposure = 0.f,
                  ToneMap tone_map = ToneMap::aces);
 

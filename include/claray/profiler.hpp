@@ -56,7 +56,7 @@ public:
     void keep_records(bool keep) { keep_records_ = keep; }
     [[nodiscard]] const std::vector<ProfileRecord>& records();
 
-    /// On by default. Events cost some microseconds each on a GPU's queue. Without them, renders of milliseconds take
+    /// On by default. Each event takes some microseconds of a GPU's queue. Without them, renders of milliseconds take
     /// up to a quarter less time (docs/performance.md), but RenderStatistics contain no device times.
     void enable(bool enabled) { enabled_ = enabled; }
 

@@ -22,8 +22,8 @@ enum class Math {
 /// index.
 struct Range {
     std::size_t global = 0;
-    /// 0: the driver chooses a divisor of the global size, which is not rounded. NVIDIA's takes 1 if that is prime,
-    /// which is many times as slow: give a size wherever the number of items is not known.
+    /// 0: the driver chooses a divisor of the global size, which is not rounded. NVIDIA's driver takes 1 if the global
+    /// size is prime, which is many times as slow: give a size wherever the number of items is not known.
     std::size_t local = 0;
 };
 
@@ -59,11 +59,11 @@ public:
         : device_(std::make_shared<Device>(std::move(device))), kernel_(std::move(kernel)), name_(std::move(name)) {}
 
     /// Binds the arguments in order and enqueues the kernel. Asynchronous. An argument is a Buffer, a plain value of
-    /// exactly the kernel's type, LocalMemory or nullptr (no buffer). It may be an object that binds several arguments
-    /// by a member `bind(Kernel&, index)` (such as Bvh). `arg` gives it its parameter's name. Reading a buffer waits
-    /// for the kernel. Throws ErrorKind::usage if the type or the name of an argument differs from its parameter, and
-    /// for a buffer of another context. So it does for a buffer without a name if one of claray's own kernels takes
-    /// several buffers of its type.
+    /// exactly the kernel's type, LocalMemory or nullptr (no buffer). It may also be an object that binds several
+    /// arguments by a member `bind(Kernel&, index)` (such as Bvh). `arg` gives an argument the name of its parameter.
+    /// Reading a buffer waits for the kernel. Throws ErrorKind::usage if the type or the name of an argument differs
+    /// from its parameter, and for a buffer of another context. It also throws for a buffer without a name if one of
+    /// claray's own kernels takes several buffers of its type.
     template <class... Args>
     void run(Range range, const Args&... args) {
         unsigned index = 0;
@@ -140,7 +140,7 @@ private:
 };
 
 /// Loads one of claray's own kernels by its file under kernels/ (such as "sort/radix_sort.cl"). It is compiled once per
-/// device and set of macros, then cached in memory and on disk. The tuning values that its text names become macros;
+/// device and set of macros, then cached in memory and on disk. The tuning values that its source names become macros;
 /// `defines` override them. Throws ErrorKind::device with the compiler's log, ErrorKind::usage for an unknown function.
 [[nodiscard]] Kernel load_kernel(const Device& device, const std::string& file, const std::string& function,
                                  const Defines& defines = {}, Math math = Math::strict);

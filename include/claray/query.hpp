@@ -26,7 +26,8 @@ struct QueryOptions {
     Buffer<std::uint32_t> ray_masks = {};  ///< one per ray; empty: every ray sees every mesh
     Buffer<float> ray_times = {};          ///< one per ray, 0 to 1, for an InstancedBvh with motion; empty: time 0
     Buffer<Visits> visits = {};            ///< if allocated: receives the cost of each ray
-    /// Of a Bvh without `brute_force` and `visits`: only hits that it accepts count. Rays are then traced one by one.
+    /// Only for a Bvh, and not with `brute_force` or `visits`. Hits count only if the filter accepts them. Rays are
+    /// then traced one by one.
     HitFilter filter = {};
 };
 
@@ -50,7 +51,7 @@ struct InstanceHit;
 
 enum class QueryKind { closest, any };
 
-/// A query that is made once, which loads its kernels, and run often: a run only enqueues commands. The options hold
+/// A query that is made once and run often. Making it loads its kernels; a run only enqueues commands. The options hold
 /// for all runs. A handle: copies share the query.
 class Query {
 public:
@@ -62,11 +63,11 @@ public:
     Query(const InstancedBvh& bvh, QueryKind kind, const QueryOptions& options = {});
     Query(const InstancedBvh& bvh, QueryKind kind, const QueryOptions& options, const Device& queue);
 
-    /// Enqueues the query after all of `wait_for`, and returns the event of its end. Asynchronous as closest_hit: give
-    /// QueryOptions::coherence so that nothing is waited for. The buffers must be alive until the event is complete.
-    /// `count`: see closest_hit. Throws ErrorKind::usage, before anything is enqueued, for buffers that are too small
-    /// or of another context, and for results of another kind than the query's. QueryKind::closest has Hit and
-    /// InstanceHit, QueryKind::any has bytes.
+    /// Enqueues the query after all of `wait_for`, and returns the event of the query's end. Asynchronous as
+    /// closest_hit: give QueryOptions::coherence so that nothing is waited for. The buffers must be alive until the
+    /// event is complete. `count`: see closest_hit. Throws ErrorKind::usage, before anything is enqueued, for buffers
+    /// that are too small or of another context, and for results of another kind than the query's. QueryKind::closest
+    /// has Hit and InstanceHit, QueryKind::any has bytes.
     cl::Event run(const Buffer<Ray>& rays, Buffer<Hit>& hits, std::span<const cl::Event> wait_for = {},
                   const Buffer<std::uint32_t>& count = {});
     cl::Event run(const Buffer<Ray>& rays, Buffer<InstanceHit>& hits, std::span<const cl::Event> wait_for = {},

@@ -37,7 +37,7 @@ inline constexpr unsigned default_max_depth = 128;
 struct Approximations {
     /// Camera rays end at their first surface. There all lights without extent are summed up, without shadows, from
     /// lists of those that reach the surfaces of 16x16 pixels. Nothing else lights surfaces: no lamp, no sky, no other
-    /// surface. As deferred shading does it, for very many lights that move.
+    /// surface. This is deferred shading, for very many lights that move.
     bool tile_sum = false;
     /// Where a path meets a diffuse surface, a grid of probes answers what light arrives from all other surfaces; the
     /// path ends. Lights still cast exact shadows. See LightGridConfig. Cannot be used together with tile_sum.
@@ -57,8 +57,8 @@ struct Approximations {
     [[nodiscard]] bool any() const { return *this != Approximations{}; }
 };
 /// The grid of Approximations::light_grid. Every probe holds the light that arrives at its place as spherical
-/// harmonics: Greger et al. 1998, "The irradiance volume". A surface blends the eight probes around it that it sees.
-/// Where it sees none, the path goes on.
+/// harmonics: Greger et al. 1998, "The irradiance volume". A surface blends those of the eight probes around it that it
+/// sees. Where a surface sees none of them, the path goes on.
 struct LightGridConfig {
     /// Voxels instead of probes: each holds what the surfaces within it reflect, as a virtual point light with 4
     /// coefficients (Kaplanyan and Dachsbacher 2010). Surfaces receive light from the voxels next to them only, as fast
@@ -75,16 +75,16 @@ struct LightGridConfig {
     bool operator==(const LightGridConfig&) const = default;
 };
 
-/// Returns all that there are.
+/// Returns all approximations.
 [[nodiscard]] Approximations all_approximations();
-/// Returns those among `among` that answer something in this scene, one at a time.
+/// Returns those among `among` that have an effect in this scene, one at a time.
 [[nodiscard]] std::vector<Approximations> approximations_for(const Scene& scene,
                                                              const Approximations& among = all_approximations());
-/// Returns the names of those that are used, separated by commas: "tile-sum"; "nothing" if none is.
+/// Returns the names of the approximations that are used, separated by commas: "tile-sum"; "nothing" if none is.
 [[nodiscard]] std::string to_string(const Approximations& approximations);
-/// Returns the numbers, separated by spaces.
+/// Returns the members of `grid`, separated by spaces.
 [[nodiscard]] std::string to_string(const LightGridConfig& grid);
-/// Parses such names. Throws ErrorKind::usage for an unknown one.
+/// Parses the output of `to_string`. Throws ErrorKind::usage for an unknown one.
 [[nodiscard]] Approximations parse_approximations(const std::string& text);
 
 struct RenderConfig {
@@ -103,21 +103,22 @@ struct RenderConfig {
     /// that holds in 95 of 100 renders. `spp` is then the upper limit, and the image is that of the samples taken.
     double error = 0;
     /// Takes more samples where the estimated error is large: `spp` is then the mean over the pixels. After 16 samples
-    /// per pixel those halves of tiles (8x8 pixels) are doubled whose samples pay most. The image is the mean of all
-    /// samples. Its expectation is that of a uniform render but for second-order effects, because the error of a pixel
-    /// is estimated from other pixels (docs/accuracy.md). Cannot be used with Approximations::tile_sum.
+    /// per pixel, the samples of those half tiles (of 8x8 pixels) are doubled that gain most by a sample. The image is
+    /// the mean of all samples. Its expectation is that of a uniform render but for second-order effects, because the
+    /// error of a pixel is estimated from other pixels (docs/accuracy.md). Cannot be used with
+    /// Approximations::tile_sum.
     bool adaptive = false;
     /// Paths learn from the image's first samples where light comes from, and choose directions of diffuse reflection
     /// accordingly, where these samples promise less noise. The expectation of the image is the same. Ignored on GPUs,
     /// up to 8 samples per pixel, below 16,384 pixels, with hot spots and with approximations.
     bool guide = true;
-    double report_seconds = 0.2;  ///< about, from one call of the `progress` of Renderer::render to the next
+    double report_seconds = 0.2;  ///< approximate time between two calls of the `progress` of Renderer::render
     Sampler sampler = Sampler::sobol;
     Bvh::Config bvh = {};  ///< Builder::automatic is `balanced` for scenes with instances
     /// Splits the tree into so many parts by space; 0: as many as the device's memory requires. The image is the same.
     /// Parts for which there is no room wait in host memory, and are copied to the device for each set of rays.
     unsigned parts = 0;
-    EffectOverrides effects = {};     ///< for experiments; effects are derived from the scene
+    EffectOverrides effects = {};     ///< changes, for experiments, the effects that are derived from the scene
     Approximations approximate = {};  ///< none: the image has no error but noise
     LightGridConfig light_grid = {};  ///< for Approximations::light_grid
     /// Path of the program `claray`, to compile kernels in the background while other kernels already render; empty:
@@ -146,7 +147,8 @@ struct RenderProgress {
     unsigned error_spp = 0;    ///< samples per pixel at the time of the error estimate, between two passes
     double cut_off = 0;        ///< as Renderer::cut_off, if RenderConfig::error is set; included in both errors
     bool own_kernels = false;  ///< whether the scene's own kernels are in use (see RenderStatistics)
-    /// Whether no samples are taken while this process compiles these, because sampling would take longer without them.
+    /// Whether sampling pauses while this process compiles the scene's own kernels, because waiting for them saves
+    /// time.
     bool waits_for_kernels = false;
     std::uint64_t dropped_samples = 0;  ///< NaN, infinite or above 1e30; left out of the image
     std::uint32_t culled = 0;           ///< triangles left out: not finite, huge, or without area
@@ -162,7 +164,7 @@ struct RayCount {
 /// The kernels with which a render started.
 enum class KernelStart {
     own,      ///< compiled for the scene's effects
-    generic,  ///< support all effects; used if they were in the cache and the scene's own were not
+    generic,  ///< support all effects; used if they were in the cache and the scene's own kernels were not
     quick     ///< compile fastest; used if the cache had none
 };
 
@@ -171,7 +173,7 @@ struct RenderStatistics {
     double first_pixel_processor_seconds = 0;  ///< CPU time of all threads of the process in that period
     KernelStart start = KernelStart::own;
     unsigned own_kernels_from = 0;  ///< samples per pixel that were done when the scene's own kernels took over
-    bool own_kernels = false;       ///< whether they are in use
+    bool own_kernels = false;       ///< whether the scene's own kernels are in use
     double build_milliseconds = 0;  ///< device time of building the acceleration structure
     BvhStatistics bvh;
     std::uint32_t primitives = 0;     ///< of the scene's PrimitiveSets
@@ -245,8 +247,8 @@ struct GBuffer {
     NormalPacking normals = NormalPacking::octahedral;
     std::vector<GBufferPixel> pixels;  ///< row by row from the top left
     /// The inverse of the view and projection. It takes a position in the image (-1 to 1 on both axes, y upwards), the
-    /// depth and 1 to a position in the world. Divide that by its w. Near and far planes are at 0.002 and 2
-    /// radii of the scene; surfaces nearer than the former have depths above 1.
+    /// depth and 1 to a position in the world. Divide the result by its w. Near and far planes are at 0.002 and 2 radii
+    /// of the scene; surfaces nearer than the former have depths above 1.
     glm::dmat4 world_from_image{1};
 };
 /// Returns the shading normal; 0 0 0 where there is no surface.
@@ -278,9 +280,9 @@ public:
     /// continues. Returns the progress reached. A checkpoint that cannot be written does not stop the render: see
     /// `checkpoint_error`.
     RenderProgress render(const std::function<bool(const RenderProgress&)>& progress = {});
-    /// The same for at most so many seconds from now, but not before every pixel has a sample. The last batches are as
-    /// small as the time that is left, as soon as the speed of batches is known. Negative is 0, infinity no limit;
-    /// throws ErrorKind::usage for NaN.
+    /// The same for at most so many seconds from now, but not before every pixel has a sample. Once the speed of
+    /// batches is known, the last ones are made small enough for the time that is left. Negative is 0, infinity no
+    /// limit; throws ErrorKind::usage for NaN.
     RenderProgress render_for(double seconds, const std::function<bool(const RenderProgress&)>& progress = {});
 
     /// Discards all samples and restarts with another seed. `spp` and `max_depth` replace those of the configuration
@@ -288,19 +290,19 @@ public:
     /// kept. Throws ErrorKind::usage for a render that writes checkpoints.
     void restart(std::uint32_t seed, unsigned spp = 0, unsigned max_depth = 0);
     /// Discards all samples and continues with a scene that differs from the earlier one in `changes`: nothing else is
-    /// read, checked or uploaded. The image is that of a new renderer of the scene. Only lights are picked by the first
-    /// scene's radius. This changes the noise if there are near and far lights. Kernels are compiled only if the scene
-    /// has effects that those in use do not support (see EffectOverrides::add), or when surfaces move for the first
-    /// time without `settle`. Throws ErrorKind::user for values that
-    /// `validate` refuses. Throws ErrorKind::usage if meshes, instances or materials differ in number or size, or for a
-    /// render that writes checkpoints. The renderer is then unchanged.
+    /// read, checked or uploaded. The image is that of a new renderer of the scene. One thing differs: lights are
+    /// selected by the first scene's radius. This changes the noise if there are near and far lights. Kernels are
+    /// compiled only if the scene has effects that those in use do not support (see EffectOverrides::add), or when
+    /// surfaces move for the first time without `settle`. Throws ErrorKind::user for values that `validate` refuses.
+    /// Throws ErrorKind::usage if meshes, instances or materials differ in number or size, or for a render that writes
+    /// checkpoints. The renderer is then unchanged.
     void update(const Scene& scene, const SceneChanges& changes);
     /// Loads the fastest kernels for the scene now, compiling them if necessary, and runs each once, so that no later
-    /// render waits for a kernel unless `update` brings other effects. Those that move surfaces are loaded, too.
-    /// Otherwise they are loaded while rendering, when that pays. Discards all samples. Throws ErrorKind::usage for a
-    /// render that writes checkpoints.
+    /// render waits for a kernel unless `update` brings other effects. Kernels that move surfaces are loaded, too.
+    /// Without `settle` the fastest kernels are loaded while rendering, when that saves time. Discards all samples.
+    /// Throws ErrorKind::usage for a render that writes checkpoints.
     void settle();
-    /// Loads now what later renders would load or compile while they run, and runs it once. Keeps all samples. Without
+    /// Loads now what later renders would load or compile while they run, and runs it once. Keeps all samples. Has no
     /// effect before the first sample of every pixel, and before the scene's own kernels are compiled (see
     /// RenderConfig::compiler).
     void load_kernels();
@@ -331,8 +333,8 @@ public:
     /// are made again if the scene changes.
     [[nodiscard]] std::vector<glm::vec3> denoised(DenoiserKind kind = DenoiserKind::automatic) const;
     /// Returns the same as a picture, for frames that are shown one after the other. If `update` changes the camera or
-    /// moves objects, light of the pictures before is used again where it fits (docs/denoise.md). By claray's own
-    /// denoiser, at the speed of a frame. The memory is that of `picture`. Blocks.
+    /// moves objects, light of the pictures before is used again where it fits (docs/denoise.md). claray's own denoiser
+    /// is used, because it is fast enough for frames. The memory is that of `picture`. Blocks.
     [[nodiscard]] std::span<const std::uint8_t> denoised_picture(const PictureConfig& config = {});
     /// Gives back what `denoised` and `denoised_picture` keep. The next picture uses no light of those before.
     void release_denoiser();
@@ -372,7 +374,7 @@ void compile_kernels(const Device& device, EffectSet effects, const RenderConfig
 [[nodiscard]] Environment render_probe(const Device& device, Scene scene, const glm::vec3& position,
                                        RenderConfig config);
 /// Returns an environment as one image in latitude and longitude, linear float32, times its strength, without its
-/// rotation. That of a cube has the cube's resolution at the horizon.
+/// rotation. The image of a cube has the cube's resolution at the horizon.
 [[nodiscard]] Texture panorama_of(const Environment& environment);
 
 struct LightMapConfig {

@@ -271,10 +271,10 @@ struct Scene {
     std::optional<Camera> camera = {};  ///< empty: use `automatic_camera`
 };
 
-/// Returns the box of all placed meshes, including the ends of motion, and of all primitives. For a rotated mesh: the
-/// box of its rotated box.
+/// Returns the box of all placed meshes, including the ends of motion, and of all primitives. A rotated mesh counts
+/// with the box of its rotated box, which may be larger than its own.
 [[nodiscard]] Bounds bounds_of(const Scene& scene);
-/// The same from the boxes of its meshes.
+/// As above, with the boxes of its meshes given.
 [[nodiscard]] Bounds bounds_of(const Scene& scene, std::span<const Bounds> meshes);
 [[nodiscard]] std::vector<Bounds> bounds_of_meshes(const Scene& scene);
 /// Returns the number of triangles of all placed meshes.
@@ -294,16 +294,17 @@ struct Scene {
 [[nodiscard]] Camera orbited(const Camera& camera, float degrees);
 
 /// Returns the camera in the form that kernels read. `aspect` = width / height. Throws ErrorKind::usage if at some time
-/// the position equals the target or `up` is parallel to the view. So it does if the angle is outside (0, 180), if the
-/// orthographic height is not positive and finite, or if the lens is invalid.
+/// the position equals the target or `up` is parallel to the view. It also throws if the angle is outside (0, 180), if
+/// the orthographic height is not positive and finite, or if the lens is invalid.
 [[nodiscard]] CameraData camera_data(const Camera& camera, float aspect);
 /// Returns whether the camera moves while the shutter is open.
 [[nodiscard]] bool moves(const Camera& camera);
 
 /// Throws ErrorKind::user, naming the object and the value, if an index is out of range or an array has the wrong
-/// length. So it does if a value is not finite, negative or not in 0..1 although it must be. So it does if an
-/// instance's transform is not affine or not invertible, or if an environment has neither one image nor six. Positions
-/// are not checked: triangles that are not finite are culled and counted when the structure is built.
+/// length. It also throws if a value is not finite, or if it is negative or outside 0..1 where that is not allowed. It
+/// also throws if an instance's transform is not affine or not invertible, or if an environment has neither one image
+/// nor six. Positions are not checked: triangles that are not finite are culled and counted when the structure is
+/// built.
 void validate(const Scene& scene);
 
 /// Returns a line about primitives that emit light, which only scattered rays find; nothing if there are none.

@@ -23,7 +23,7 @@ struct VerifyCase {
     std::string what;    ///< what is tried, and what must hold
 };
 
-/// One measured value and its limit. It passes if worst <= bar.
+/// One measured value and its limit. The check passes if worst <= bar.
 struct VerifyCheck {
     std::string what;
     std::uint64_t tried = 0;  ///< number of trials

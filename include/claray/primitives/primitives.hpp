@@ -1,4 +1,4 @@
-// Geometry that is not triangles: primitives whose bounds and intersection are given as text.
+// Geometry that is not triangles: primitives whose bounds and intersection are given in OpenCL C.
 #pragma once
 
 #include <span>
@@ -13,7 +13,7 @@ namespace claray {
 /// kernels/primitives/primitive.clh, and usually includes "primitives/primitive.clh".
 struct PrimitiveKind {
     std::string name = {};    ///< appears in the compiler's messages
-    std::string source = {};  ///< the text; it may include claray's device headers
+    std::string source = {};  ///< may include claray's device headers
     unsigned floats = 0;      ///< per primitive in the data; 0: the data is not so regular
     /// The boxes are those of capsules around the primitives, which reject more rays
     /// (kernels/primitives/primitive.clh).
@@ -31,7 +31,7 @@ public:
     /// Builds over `count` primitives, whose functions read `data`. Boxes are computed on the device; primitives with
     /// boxes that are not finite are left out. `config` is as for triangles; nothing is split. The structure shares
     /// `data`. Throws ErrorKind::usage if there is too little data, ErrorKind::device with the compiler's log if the
-    /// text does not compile.
+    /// source does not compile.
     [[nodiscard]] static Primitives build(const Device& device, const PrimitiveKind& kind, const Buffer<float>& data,
                                           std::uint32_t count, const Bvh::Config& config);
     [[nodiscard]] static Primitives build(const Device& device, const PrimitiveKind& kind, const Buffer<float>& data,

@@ -9,16 +9,16 @@
 
 namespace claray {
 
-/// Kernels that this process and its compilers have compiled since it began, and these with those that are known to be
-/// missing. Kernels that come from the cache are not counted.
+/// Kernels that this process and its compilers have compiled since it began, and the sum of these and those that are
+/// known to be missing. Kernels that come from the cache are not counted.
 struct CompileProgress {
     unsigned done = 0, total = 0;
     bool operator==(const CompileProgress&) const = default;
 };
 using TellCompiling = std::function<void(const CompileProgress&)>;
 
-/// Calls `tell` when a compilation begins and when a kernel is done, from any thread, one call at a time. Pass
-/// nothing to hear nothing, which is the default. `tell` must not use a device.
+/// Calls `tell` when a compilation begins and when a kernel is done, from any thread, one call at a time. Without a
+/// function, which is the default, nothing is reported. `tell` must not use a device.
 void on_compiling(TellCompiling tell);
 
 /// "compiling 7 of 15 kernels, once for this device". Counts the kernel that is compiled now.

@@ -1,4 +1,4 @@
-// Hits that a query leaves out, by a program's own text.
+// Hits that a query leaves out, by a program's own function.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ namespace claray {
 ///     static inline bool accept_hit(global const float* data, float3 origin, float3 direction, const Hit* hit);
 ///
 /// which returns whether the hit counts; if not, the ray goes on. It is called for hits in any order, some of them
-/// behind the closest one, and must return the same for the same hit. The text may include claray's device headers.
+/// behind the closest one, and must return the same for the same hit. The source may include claray's device headers.
 struct HitFilter {
     std::string name = {};    ///< appears in the compiler's messages
     std::string source = {};  ///< empty: every hit counts
