@@ -365,7 +365,7 @@ private:
     std::shared_ptr<State> state_;
 };
 
-/// Compiles the kernels that renders of scenes with exactly these effects need, and stores them in the cache. Those
+/// Compiles the kernels that renders of scenes with exactly these effects need, and stores them in the cache. Kernels
 /// that trace primitives are compiled with their scene. Throws ErrorKind::device with the compiler's log.
 void compile_kernels(const Device& device, EffectSet effects, const RenderConfig& config = {});
 
