@@ -210,7 +210,8 @@ struct ErrorMap {
                                 const AccuracyProgress& progress = {}, std::vector<ErrorMap>* maps = nullptr);
 
 /// Adds the images of up to 8 groups of the scene's light sources as values of the sRGB curve, as renderers do that do
-/// not compute in linear light. The error is the distance from the sum of the same images as light: no noise is in it.
+/// not compute in linear light. The error is the distance from the sum of the same images as light. The error contains
+/// no noise.
 [[nodiscard]] Study study_gamma(const Device& device, const Scene& scene, const StudyOptions& options,
                                 const AccuracyProgress& progress = {});
 

@@ -72,9 +72,10 @@ struct LoadOptions {
 
 /// Loads a Wavefront OBJ with its MTL and the images of used materials. Polygons are triangulated, negative indices are
 /// resolved, and the faces of one group or object form one mesh. Lines and points become tubes and spheres.
-/// docs/formats.md tells the meaning of each MTL key. A missing MTL or image causes a warning and grey. Throws
-/// ErrorKind::user, naming the file (and the line, if known), for a missing or empty file, an index out of range, and a
-/// file without faces and points. It also throws for an image that is damaged or too large.
+/// docs/formats.md tells the meaning of each MTL key. A missing MTL or image causes a warning, and its materials are
+/// grey (docs/formats.md). Throws ErrorKind::user, naming the file (and the line, if known), for a missing or empty
+/// file, an index out of range, and a file without faces and points. It also throws for an image that is damaged or too
+/// large.
 [[nodiscard]] Scene load_obj(const std::filesystem::path& path, Warnings& warnings);
 
 /// Loads a PLY, text or binary, as one grey mesh: the elements vertex (positions, normals, texture coordinates,
