@@ -12,6 +12,14 @@ namespace {
 constexpr unsigned none = 0, generate = unsigned(Stage::generate), trace = unsigned(Stage::trace),
                    shade = unsigned(Stage::shade), aovs = unsigned(Stage::aovs);
 
+/// Unlit materials show their colour to the end of a path.
+constexpr unsigned traits_of_bsdf(std::uint32_t kind) {
+    return CLARAY_OF_BSDF | (kind == CLARAY_UNLIT ? CLARAY_EMITS : 0u);
+}
+constexpr unsigned traits_of_light(LightKind kind) {
+    return CLARAY_SAMPLED | (traits_of(kind)->seen ? CLARAY_EMITS : 0u);
+}
+
 /// Effects that share a macro are bits of its value. The structure that is traced brings the macros of effects without
 /// stages (host/render/structure.hpp).
 struct EffectRow {
@@ -21,15 +29,18 @@ struct EffectRow {
     unsigned bit;
     unsigned stages;
     unsigned lanes;
+    unsigned traits;
 };
 constexpr std::array rows = {
-#define CLARAY_ROW(name, text, MACRO, bit, stages, lanes) EffectRow{Effect::name, text, #MACRO, bit, stages, lanes},
+#define CLARAY_ROW(name, text, MACRO, bit, stages, lanes, traits) \
+    EffectRow{Effect::name, text, #MACRO, bit, stages, lanes, traits},
 #define CLARAY_BSDF(name, NAME, text, transmits, lobes, rough) \
-    EffectRow{Effect::name, text, "MATERIALS", CLARAY_##NAME, shade, CLARAY_LANES_ALL},
-#define CLARAY_LIGHT(name, NAME, text, far, cone) \
-    EffectRow{Effect::name##_lights, text "-lights", #NAME "_LIGHTS", 0, shade, CLARAY_LANES_ALL},
+    EffectRow{Effect::name, text, "MATERIALS", CLARAY_##NAME, shade, CLARAY_LANES_ALL, traits_of_bsdf(CLARAY_##NAME)},
+#define CLARAY_LIGHT(name, NAME, text, far, cone)                                                           \
+    EffectRow{Effect::name##_lights,           text "-lights", #NAME "_LIGHTS", 0, shade, CLARAY_LANES_ALL, \
+              traits_of_light(LightKind::name)},
 #define CLARAY_PROJECTION(name, NAME, text, flat, parallel, stretch) \
-    EffectRow{Effect::name, text, "PROJECTIONS", CLARAY_##NAME, generate | shade, CLARAY_LANES_ALL},
+    EffectRow{Effect::name, text, "PROJECTIONS", CLARAY_##NAME, generate | shade, CLARAY_LANES_ALL, 0},
     CLARAY_EFFECTS(CLARAY_ROW, CLARAY_BSDF, CLARAY_LIGHT, CLARAY_PROJECTION)
 #undef CLARAY_ROW
 #undef CLARAY_BSDF
@@ -142,6 +153,13 @@ EffectSet of_stage(EffectSet effects, Stage stage) {
 bool have_lanes(EffectSet effects, unsigned lanes) {
     return std::all_of(rows.begin(), rows.end(),
                        [&](const EffectRow& row) { return (row.lanes & lanes) == lanes || !effects.has(row.effect); });
+}
+
+EffectSet effects_with(unsigned traits) {
+    EffectSet found;
+    for (const EffectRow& row : rows)
+        if ((row.traits & traits) != 0) found.add(row.effect);
+    return found;
 }
 
 bool concerns(Effect effect, Stage stage) {

@@ -2,24 +2,12 @@
 #include <algorithm>
 
 #include "claray/mesh.hpp"
+#include "host/effects/parts/part.hpp"
 #include "host/render/renderer_state.hpp"
 #include "host/scene/validate.hpp"
 
 namespace claray {
 namespace {
-
-constexpr EffectSet of_cameras = {
-#define CLARAY_ROW(name, NAME, text, flat, parallel, stretch) Effect::name,
-    CLARAY_OTHER_PROJECTIONS(CLARAY_ROW)
-#undef CLARAY_ROW
-        Effect::depth_of_field,
-    Effect::camera_motion};
-constexpr EffectSet of_lights = {
-#define CLARAY_ROW(name, NAME, text, far, cone) Effect::name##_lights,
-    CLARAY_LIGHT_KINDS(CLARAY_ROW)
-#undef CLARAY_ROW
-        Effect::light_falloff,
-    Effect::linear_ranges, Effect::light_lists, Effect::many_lights, Effect::hot_spots};
 
 void check_equal(std::size_t now, std::size_t before, const std::string& what) {
     if (now == before) return;
@@ -56,10 +44,10 @@ void check_changes(const Scene& scene, const SceneChanges& changes, const SceneS
 /// Replaces the effects of the changed parts that follow from these parts alone.
 EffectSet with_parts(EffectSet effects, const Scene& scene, const SceneChanges& changes) {
     Scene parts;
-    if (changes.camera) parts.camera = scene.camera, effects = effects - of_cameras;
-    if (changes.lights) parts.lights = scene.lights, effects = effects - of_lights;
-    if (changes.sky) parts.sky = scene.sky, effects.remove(Effect::sky);
-    return effects | (effects_of(parts) - aids);
+    if (changes.camera) parts.camera = scene.camera, effects = effects - effects_in(parts_of_cameras());
+    if (changes.lights) parts.lights = scene.lights, effects = effects - effects_in(parts_of_lights());
+    if (changes.sky) parts.sky = scene.sky, effects = effects - effects_in(parts_of_sky());
+    return effects | (effects_of(parts) - effects_with(CLARAY_AID));
 }
 
 bool same(const MeshInstance& a, const MeshInstance& b) {

@@ -284,7 +284,7 @@ void Wavefront::show_voxels(const Batch& batch, const Buffer<float>& albedo) {
 
 /// After its last scattering a path may still meet a light or the sky.
 std::uint32_t Wavefront::waves() const {
-    const bool one_more = !(scene_.effects & emitters).empty() && frame_.max_depth != ~std::uint32_t(0);
+    const bool one_more = !(scene_.effects & effects_with(CLARAY_EMITS)).empty() && frame_.max_depth != ~std::uint32_t(0);
     return frame_.max_depth + (one_more ? 1 : 0);
 }
 

@@ -16,8 +16,8 @@
 /// 1: hits are shaded in groups, one stage after the other. Without optimization PoCL takes minutes to compile this.
 #define SHADE_GROUPS (CLARAY_CPU && !CLARAY_UNOPTIMIZED && !SHADE_SIXTEEN)
 /// Turn rows of CLARAY_EFFECTS into terms of conditions: the scene has an effect without that form for sixteen rays.
-#define CLARAY_NOT_SHADED(name, text, MACRO, bit, stages, lanes) || (!((lanes) & CLARAY_LANES_SHADE) && MACRO)
-#define CLARAY_NOT_LISTED(name, text, MACRO, bit, stages, lanes) || (!((lanes) & CLARAY_LANES_LISTS) && MACRO)
+#define CLARAY_NOT_SHADED(name, text, MACRO, bit, stages, lanes, traits) || (!((lanes) & CLARAY_LANES_SHADE) && MACRO)
+#define CLARAY_NOT_LISTED(name, text, MACRO, bit, stages, lanes, traits) || (!((lanes) & CLARAY_LANES_LISTS) && MACRO)
 #define CLARAY_OF_KIND(name, NAME, text, far, cone, rough)
 #define CLARAY_OF_LIGHT(name, NAME, text, far, cone)
 #define EFFECTS_WITHOUT_LANES(TERM) (0 CLARAY_EFFECTS(TERM, CLARAY_OF_KIND, CLARAY_OF_LIGHT, CLARAY_OF_KIND))

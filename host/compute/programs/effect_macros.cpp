@@ -13,7 +13,7 @@ struct EffectMacro {
     unsigned bit;
 };
 constexpr EffectMacro effect_macros[] = {
-#define CLARAY_ROW(name, text, MACRO, bit, stages, lanes) \
+#define CLARAY_ROW(name, text, MACRO, bit, stages, lanes, traits) \
     {#MACRO, std::string_view(#stages) == "none" ? "0" : "1", bit},
 #define CLARAY_KIND(...)  // its macro's default is beside the kinds' code
     CLARAY_EFFECTS(CLARAY_ROW, CLARAY_KIND, CLARAY_KIND, CLARAY_KIND)

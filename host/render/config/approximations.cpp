@@ -35,7 +35,7 @@ std::vector<Approximations> approximations_for(const Scene& scene, const Approxi
     Approximations useful = {.flat = true, .gouraud = true};
     useful.tile_sum = !scene.lights.empty();
     useful.light_grid = !(effects & EffectSet{Effect::lambert, Effect::oren_nayar}).empty();
-    useful.no_shadows = !(effects & sampled_lights).empty();
+    useful.no_shadows = !(effects & effects_with(CLARAY_SAMPLED)).empty();
     std::vector<Approximations> found;
     for (const auto& [name, member] : approximation_names) {
         if (!(among.*member && useful.*member)) continue;

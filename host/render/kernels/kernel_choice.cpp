@@ -62,13 +62,13 @@ StageConfig stages_for(const Device& device, const SceneTraits& scene, const Ren
                           .is_split = scene.is_split,
                           .primitives = scene.primitives},
             .culls_back_faces = scene.culls_back_faces,
-            .is_lit = !(scene.effects & sampled_lights).empty(),
+            .is_lit = !(scene.effects & effects_with(CLARAY_SAMPLED)).empty(),
             .is_guided = may_guide_paths(device, config),
             .shaders = shaders_with_kernels(device, scene.shaders, effects)};
 }
 
 KernelChoice scene_kernels(const Device& device, const SceneTraits& scene, const RenderConfig& config) {
-    return choice_of(device, scene, config, (scene.effects | config.effects.add) - (config.effects.remove & aids));
+    return choice_of(device, scene, config, (scene.effects | config.effects.add) - (config.effects.remove & effects_with(CLARAY_AID)));
 }
 
 KernelChoice generic_kernels(const Device& device, const SceneTraits& scene, const RenderConfig& config) {

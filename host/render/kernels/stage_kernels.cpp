@@ -90,7 +90,7 @@ std::vector<KernelRequest> kernels_of_surfaces(const Device& device, const Stage
     if (config.shaders.empty()) add(config);
     for (const EffectSet shader : config.shaders) {
         StageConfig with = config;
-        with.effects = (config.effects - bsdf_effects) | shader;
+        with.effects = (config.effects - effects_with(CLARAY_OF_BSDF)) | shader;
         add(with);
         kernels.back().defines.emplace_back("SORTED", "1");
     }
@@ -132,7 +132,7 @@ std::vector<EffectSet> shaders_with_kernels(const Device& device, const std::vec
     EffectSet needed;
     for (const EffectSet shader : shaders) needed = needed | shader;
     const bool pays = from > 0 && shaders.size() > 1 && number_of(of_stage(effects, Stage::shade)) >= from;
-    return pays && (effects & bsdf_effects) == needed ? shaders : std::vector<EffectSet>{};
+    return pays && (effects & effects_with(CLARAY_OF_BSDF)) == needed ? shaders : std::vector<EffectSet>{};
 }
 
 StageConfig stages_of(const SceneBuffers& scene, Sampler sampler, EffectSet effects,

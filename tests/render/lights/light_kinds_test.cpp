@@ -259,10 +259,11 @@ protected:
         RenderConfig config{.width = 16, .height = 16, .spp = 1024, .max_depth = 1};
         config.sampler = sampler;
         // One program for all scenes without instances, one for all with them.
-        config.effects.add = scene.instances.empty()
-                                 ? sampled_lights | EffectSet{Effect::lambert, Effect::metal, Effect::many_lights,
-                                                              Effect::textures, Effect::emission_maps}
-                                 : EffectSet{Effect::many_lights};
+        config.effects.add =
+            scene.instances.empty()
+                ? effects_with(CLARAY_SAMPLED) | EffectSet{Effect::lambert, Effect::metal, Effect::many_lights,
+                                                           Effect::textures, Effect::emission_maps}
+                : EffectSet{Effect::many_lights};
         Renderer renderer(device(), scene, config);
         const double error = renderer.render().noise / 16;
         device().set_tuning("render/shade_surface", "TECHNIQUES", 3);

@@ -13,53 +13,60 @@
 #define CLARAY_LANES_LISTS 2  // plain surfaces that ask lists for a light (shade/surface_sixteen.clh)
 #define CLARAY_LANES_ALL 3
 
-// A row is X(name, "name for users", MACRO, bit, stages, lanes):
+// Bits of `traits`: what the renderer must know of an effect.
+#define CLARAY_OF_BSDF 1  // only the BSDFs of single materials need it
+#define CLARAY_SAMPLED 2  // a light that shadow rays find
+#define CLARAY_EMITS 4    // the end of a path may meet its light
+#define CLARAY_AID 8      // it changes the noise of an image but not its limit: removing it changes no part of the scene
+
+// A row is X(name, "name for users", MACRO, bit, stages, lanes, traits):
 //   name    Effect::name
 //   MACRO   the kernels' macro; `bit`: the effect's bit in its value
 //   stages  whose kernels get the macro (host/effects/effects.hpp). Kernels that are compiled for no scene have code for all effects. none: the
 //           structure that is traced brings the macro
 //   lanes   CLARAY_LANES_...
+//   traits  CLARAY_OF_BSDF, ...; 0: none
 // BSDF, LIGHT and PROJECTION take the rows of bsdfs.h, lights.h and projections.h. Texts name effects in this order.
 // clang-format off
-#define CLARAY_EFFECTS(X, BSDF, LIGHT, PROJECTION)                                           \
-    CLARAY_CUSTOM_KINDS(BSDF)                                                                \
-    X(smooth_normals, "smooth-normals", NORMALS, 0, shade | aovs, CLARAY_LANES_ALL)          \
-    CLARAY_MATERIAL_KINDS(BSDF) CLARAY_HIT_KINDS(BSDF)                                       \
-    X(transmission, "transmission", MATERIALS, CLARAY_GLASS, shade, CLARAY_LANES_ALL)        \
-    X(rough_glass, "rough-glass", ROUGH_GLASS, 0, shade, CLARAY_LANES_ALL)                   \
-    X(clearcoat, "clearcoat", CLEARCOAT, 0, shade, CLARAY_LANES_ALL)                         \
-    X(layered_coat, "layered-coat", LAYERED_COAT, 0, shade, CLARAY_LANES_ALL)                \
-    X(specular, "specular", SPECULAR, 0, shade, CLARAY_LANES_ALL)                            \
-    X(iridescence, "iridescence", IRIDESCENCE, 0, shade, CLARAY_LANES_ALL)                   \
-    X(anisotropy, "anisotropy", ANISOTROPY, 0, shade, CLARAY_LANES_ALL)                      \
-    X(sheen, "sheen", SHEEN, 0, shade, CLARAY_LANES_ALL)                                     \
-    X(absorption, "absorption", ABSORPTION, 0, shade, CLARAY_LANES_SHADE)                    \
-    X(nested_media, "nested-media", NESTED_MEDIA, 0, shade, CLARAY_LANES_NONE)               \
-    X(emissive_triangles, "emissive-triangles", TRIANGLE_LIGHTS, 0, shade, CLARAY_LANES_ALL) \
-    CLARAY_LIGHT_KINDS(LIGHT)                                                                \
-    X(light_falloff, "light-falloff", LIGHT_FALLOFF, 0, shade, CLARAY_LANES_LISTS)           \
-    X(linear_ranges, "linear-ranges", LINEAR_RANGES, 0, shade, CLARAY_LANES_ALL)             \
-    X(light_lists, "light-lists", LIGHT_LISTS, 0, shade, CLARAY_LANES_LISTS)                 \
-    X(many_lights, "many-lights", LIGHT_TREE, 0, shade, CLARAY_LANES_ALL)                    \
-    X(hot_spots, "hot-spots", HOT_SPOTS, 0, shade, CLARAY_LANES_ALL)                         \
-    X(sky, "sky", SKY, 0, shade, CLARAY_LANES_ALL)                                           \
-    X(environment, "environment", ENVIRONMENT, 0, shade, CLARAY_LANES_ALL)                   \
-    X(depth_of_field, "depth-of-field", DEPTH_OF_FIELD, 0, generate, CLARAY_LANES_ALL)       \
-    X(camera_motion, "camera-motion", CAMERA_MOTION, 0, generate, CLARAY_LANES_ALL)          \
-    CLARAY_OTHER_PROJECTIONS(PROJECTION)                                                     \
-    X(instances, "instances", INSTANCES, 0, none, CLARAY_LANES_NONE)                         \
-    X(instance_motion, "instance-motion", INSTANCE_MOTION, 0, none, CLARAY_LANES_NONE)       \
-    X(primitives, "primitives", PRIMITIVES, 0, none, CLARAY_LANES_LISTS)                     \
-    X(vertex_colors, "vertex-colors", VERTEX_COLORS, 0, shade | aovs, CLARAY_LANES_NONE)     \
-    X(textures, "textures", TEXTURES, 0, shade | aovs, CLARAY_LANES_NONE)                    \
-    X(mip_maps, "mip-maps", MIPMAPS, 0, shade | aovs, CLARAY_LANES_LISTS)                    \
-    X(nearest_levels, "nearest-levels", NEAREST_LEVELS, 0, shade | aovs, CLARAY_LANES_ALL)   \
-    X(normal_maps, "normal-maps", NORMAL_MAPS, 0, shade | aovs, CLARAY_LANES_ALL)            \
-    X(height_maps, "height-maps", HEIGHT_MAPS, 0, shade | aovs, CLARAY_LANES_ALL)            \
-    X(emission_maps, "emission-maps", EMISSION_MAPS, 0, shade, CLARAY_LANES_ALL)             \
-    X(cut_outs, "cut-outs", CUT_OUTS, 0, trace, CLARAY_LANES_ALL)                            \
-    X(culling, "culling", CUT_OUTS, 1, trace, CLARAY_LANES_ALL)                              \
-    X(light_maps, "light-maps", LIGHT_MAPS, 0, shade | aovs, CLARAY_LANES_ALL)
+#define CLARAY_EFFECTS(X, BSDF, LIGHT, PROJECTION)                                                                          \
+    CLARAY_CUSTOM_KINDS(BSDF)                                                                                               \
+    X(smooth_normals, "smooth-normals", NORMALS, 0, shade | aovs, CLARAY_LANES_ALL, 0)                                      \
+    CLARAY_MATERIAL_KINDS(BSDF) CLARAY_HIT_KINDS(BSDF)                                                                      \
+    X(transmission, "transmission", MATERIALS, CLARAY_GLASS, shade, CLARAY_LANES_ALL, CLARAY_OF_BSDF)                       \
+    X(rough_glass, "rough-glass", ROUGH_GLASS, 0, shade, CLARAY_LANES_ALL, CLARAY_OF_BSDF)                                  \
+    X(clearcoat, "clearcoat", CLEARCOAT, 0, shade, CLARAY_LANES_ALL, CLARAY_OF_BSDF)                                        \
+    X(layered_coat, "layered-coat", LAYERED_COAT, 0, shade, CLARAY_LANES_ALL, CLARAY_OF_BSDF)                               \
+    X(specular, "specular", SPECULAR, 0, shade, CLARAY_LANES_ALL, CLARAY_OF_BSDF)                                           \
+    X(iridescence, "iridescence", IRIDESCENCE, 0, shade, CLARAY_LANES_ALL, CLARAY_OF_BSDF)                                  \
+    X(anisotropy, "anisotropy", ANISOTROPY, 0, shade, CLARAY_LANES_ALL, CLARAY_OF_BSDF)                                     \
+    X(sheen, "sheen", SHEEN, 0, shade, CLARAY_LANES_ALL, CLARAY_OF_BSDF)                                                    \
+    X(absorption, "absorption", ABSORPTION, 0, shade, CLARAY_LANES_SHADE, 0)                                                \
+    X(nested_media, "nested-media", NESTED_MEDIA, 0, shade, CLARAY_LANES_NONE, 0)                                           \
+    X(emissive_triangles, "emissive-triangles", TRIANGLE_LIGHTS, 0, shade, CLARAY_LANES_ALL, CLARAY_SAMPLED | CLARAY_EMITS) \
+    CLARAY_LIGHT_KINDS(LIGHT)                                                                                               \
+    X(light_falloff, "light-falloff", LIGHT_FALLOFF, 0, shade, CLARAY_LANES_LISTS, 0)                                       \
+    X(linear_ranges, "linear-ranges", LINEAR_RANGES, 0, shade, CLARAY_LANES_ALL, 0)                                         \
+    X(light_lists, "light-lists", LIGHT_LISTS, 0, shade, CLARAY_LANES_LISTS, CLARAY_AID)                                    \
+    X(many_lights, "many-lights", LIGHT_TREE, 0, shade, CLARAY_LANES_ALL, CLARAY_AID)                                       \
+    X(hot_spots, "hot-spots", HOT_SPOTS, 0, shade, CLARAY_LANES_ALL, CLARAY_AID)                                            \
+    X(sky, "sky", SKY, 0, shade, CLARAY_LANES_ALL, CLARAY_EMITS)                                                            \
+    X(environment, "environment", ENVIRONMENT, 0, shade, CLARAY_LANES_ALL, CLARAY_SAMPLED | CLARAY_EMITS)                   \
+    X(depth_of_field, "depth-of-field", DEPTH_OF_FIELD, 0, generate, CLARAY_LANES_ALL, 0)                                   \
+    X(camera_motion, "camera-motion", CAMERA_MOTION, 0, generate, CLARAY_LANES_ALL, 0)                                      \
+    CLARAY_OTHER_PROJECTIONS(PROJECTION)                                                                                    \
+    X(instances, "instances", INSTANCES, 0, none, CLARAY_LANES_NONE, 0)                                                     \
+    X(instance_motion, "instance-motion", INSTANCE_MOTION, 0, none, CLARAY_LANES_NONE, 0)                                   \
+    X(primitives, "primitives", PRIMITIVES, 0, none, CLARAY_LANES_LISTS, 0)                                                 \
+    X(vertex_colors, "vertex-colors", VERTEX_COLORS, 0, shade | aovs, CLARAY_LANES_NONE, 0)                                 \
+    X(textures, "textures", TEXTURES, 0, shade | aovs, CLARAY_LANES_NONE, 0)                                                \
+    X(mip_maps, "mip-maps", MIPMAPS, 0, shade | aovs, CLARAY_LANES_LISTS, 0)                                                \
+    X(nearest_levels, "nearest-levels", NEAREST_LEVELS, 0, shade | aovs, CLARAY_LANES_ALL, 0)                               \
+    X(normal_maps, "normal-maps", NORMAL_MAPS, 0, shade | aovs, CLARAY_LANES_ALL, 0)                                        \
+    X(height_maps, "height-maps", HEIGHT_MAPS, 0, shade | aovs, CLARAY_LANES_ALL, 0)                                        \
+    X(emission_maps, "emission-maps", EMISSION_MAPS, 0, shade, CLARAY_LANES_ALL, 0)                                         \
+    X(cut_outs, "cut-outs", CUT_OUTS, 0, trace, CLARAY_LANES_ALL, 0)                                                        \
+    X(culling, "culling", CUT_OUTS, 1, trace, CLARAY_LANES_ALL, 0)                                                          \
+    X(light_maps, "light-maps", LIGHT_MAPS, 0, shade | aovs, CLARAY_LANES_ALL, CLARAY_EMITS)
 // clang-format on
 
 #endif
