@@ -59,9 +59,15 @@ void for_each_batch(const GridBox& box, std::uint32_t samples, std::uint32_t cap
 }  // namespace
 
 SkyData sky_data(const Scene& scene) {
-    if (!scene.environment.images.empty()) return {};
-    const glm::vec3 h = scene.sky.horizon, z = scene.sky.zenith;
-    return {h.x, h.y, h.z, z.x, z.y, z.z};
+    Sky sky = scene.sky;
+    if (!scene.environment.images.empty()) sky.horizon = sky.zenith = glm::vec3(0.f);
+    SkyData data{};
+#define CLARAY_COLOR(name, text) data.name##_r = sky.name.x, data.name##_g = sky.name.y, data.name##_b = sky.name.z;
+#define CLARAY_NUMBER(name, text) data.name = sky.name;
+    CLARAY_SKY(CLARAY_COLOR, CLARAY_NUMBER)
+#undef CLARAY_COLOR
+#undef CLARAY_NUMBER
+    return data;
 }
 
 bool may_follow_paths(const SceneBuffers& scene, EffectSet effects) {
@@ -284,7 +290,8 @@ void Wavefront::show_voxels(const Batch& batch, const Buffer<float>& albedo) {
 
 /// After its last scattering a path may still meet a light or the sky.
 std::uint32_t Wavefront::waves() const {
-    const bool one_more = !(scene_.effects & effects_with(CLARAY_EMITS)).empty() && frame_.max_depth != ~std::uint32_t(0);
+    const bool one_more =
+        !(scene_.effects & effects_with(CLARAY_EMITS)).empty() && frame_.max_depth != ~std::uint32_t(0);
     return frame_.max_depth + (one_more ? 1 : 0);
 }
 

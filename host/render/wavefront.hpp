@@ -22,7 +22,7 @@ inline constexpr const char* trace_shadow_name = "trace_shadow_rays";
 inline constexpr const char* trace_paths_name = "trace_paths";
 inline constexpr const char* finish_paths_name = "finish_paths";
 
-/// Black if an environment replaces the sky.
+/// With a black horizon and zenith if an environment replaces them.
 [[nodiscard]] SkyData sky_data(const Scene& scene);
 
 /// `config`: RenderConfig or LightMapConfig.

@@ -74,8 +74,9 @@ void visit_members(T& environment, const Visit& visit) {
 
 template <IsOf<Sky> T, class Visit>
 void visit_members(T& sky, const Visit& visit) {
-    auto& [horizon, zenith] = sky;
-    visit(horizon, zenith);
+#define CLARAY_ROW(name, text) visit(sky.name);
+    CLARAY_SKY(CLARAY_ROW, CLARAY_ROW)
+#undef CLARAY_ROW
 }
 
 template <IsOf<MeshInstance> T, class Visit>

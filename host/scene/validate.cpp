@@ -381,7 +381,9 @@ void validate_lights(const Scene& scene) {
 }
 
 void validate_sky(const Scene& scene) {
-    Check("sky").sound(sound(scene.sky.horizon) && sound(scene.sky.zenith), "radiance");
+#define CLARAY_ROW(name, text) Check("sky").sound(sound(scene.sky.name), text);
+    CLARAY_SKY(CLARAY_ROW, CLARAY_ROW)
+#undef CLARAY_ROW
 }
 
 void validate_camera(const Scene& scene) {

@@ -8,6 +8,7 @@
 #include "claray/mesh.hpp"
 #include "claray/primitives/primitive_set.hpp"
 #include "claray/shared/lists/projections.h"
+#include "claray/shared/lists/sky.h"
 #include "claray/shared/scene.h"
 #include "claray/texture.hpp"
 
@@ -196,13 +197,16 @@ struct Light {
     return light;
 }
 
-/// Radiance of rays that leave the scene, from `horizon` (and below) to `zenith`. Black by default.
+/// What surrounds the surfaces; claray/shared/lists/sky.h says what the members mean. Black by default.
 struct Sky {
-    glm::vec3 horizon{0.f};
-    glm::vec3 zenith{0.f};
+#define CLARAY_COLOR(name, text) glm::vec3 name{0.f};
+#define CLARAY_NUMBER(name, text) float name = 0.f;
+    CLARAY_SKY(CLARAY_COLOR, CLARAY_NUMBER)
+#undef CLARAY_COLOR
+#undef CLARAY_NUMBER
 };
 
-/// An image around the scene. It replaces the sky.
+/// An image around the scene. It replaces the horizon and the zenith of the sky.
 struct Environment {
     /// One image: latitude and longitude, its middle column towards -z and +y at the top. Six images: the faces +x -x
     /// +y -y +z -z of a cube, oriented as in OpenGL. Linear or sRGB. Empty: no environment.

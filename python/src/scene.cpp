@@ -228,7 +228,7 @@ void bind_scene(nb::module_& module) {
         .def_prop_rw(
             "sky", [](const Scene& s) { return std::make_pair(s.sky.horizon, s.sky.zenith); },
             [](Scene& s, const std::pair<glm::vec3, glm::vec3>& colors) {
-                s.sky = {colors.first, colors.second};
+                s.sky.horizon = colors.first, s.sky.zenith = colors.second;
                 s.environment = {};
             })
         .def_prop_rw(

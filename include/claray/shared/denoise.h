@@ -68,7 +68,7 @@ typedef struct GuideStep {
     uint listed;
     uint run_count;  // of the batch; they are in a buffer, since OpenCL grants a kernel's arguments only 1,024 bytes
 } GuideStep;
-CLARAY_LAYOUT(GuideStep, 400)
+CLARAY_LAYOUT(GuideStep, 8 + sizeof(Step))
 
 /// Scalar parameters of a filter pass.
 typedef struct FilterStep {

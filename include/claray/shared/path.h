@@ -118,7 +118,7 @@ typedef struct FrameData {
     SceneTables tables;
     PathGuideData guide;
 } FrameData;
-CLARAY_LAYOUT(FrameData, 356)
+CLARAY_LAYOUT(FrameData, 332 + sizeof(SkyData))
 
 /// Scalar parameters of a stage.
 typedef struct Step {
@@ -129,7 +129,7 @@ typedef struct Step {
     uint room;      // capacity of the queues in paths, a multiple of CLARAY_QUEUE_ROOM
     uint waves;     // number of rays after which paths are not followed: surfaces scatter no ray beyond
 } Step;
-CLARAY_LAYOUT(Step, 392)
+CLARAY_LAYOUT(Step, 36 + sizeof(FrameData))
 
 /// With this room, every array in a queue begins at a multiple of 1024 bytes, the alignment of sub-buffers.
 #define CLARAY_QUEUE_ROOM 256u

@@ -4,6 +4,7 @@
 
 #include "claray/shared/lists/bsdfs.h"
 #include "claray/shared/lists/lights.h"
+#include "claray/shared/lists/sky.h"
 #include "claray/shared/portable.h"
 
 CLARAY_SHARED_BEGIN
@@ -209,12 +210,17 @@ typedef struct CameraData {
 } CameraData;
 CLARAY_LAYOUT(CameraData, 116)
 
-/// Radiance of rays without a hit: from `horizon` (direction.y <= 0) to `zenith` (direction.y = 1), linear in y.
+/// See claray/shared/lists/sky.h.
 typedef struct SkyData {
-    float horizon_r, horizon_g, horizon_b;
-    float zenith_r, zenith_g, zenith_b;
+#define CLARAY_COLOR(name, text) float name##_r, name##_g, name##_b;
+#define CLARAY_NUMBER(name, text) float name;
+    CLARAY_SKY(CLARAY_COLOR, CLARAY_NUMBER)
+#undef CLARAY_COLOR
+#undef CLARAY_NUMBER
 } SkyData;
-CLARAY_LAYOUT(SkyData, 24)
+#define CLARAY_COLOR_SIZE(name, text) +12
+#define CLARAY_NUMBER_SIZE(name, text) +4
+CLARAY_LAYOUT(SkyData, 0 CLARAY_SKY(CLARAY_COLOR_SIZE, CLARAY_NUMBER_SIZE))
 
 // The kinds of claray::PrimitiveSet. Kernels are compiled for a set of them: bits of the macro PRIMITIVES.
 #define CLARAY_SPHERES 0u

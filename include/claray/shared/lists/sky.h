@@ -1,0 +1,14 @@
+// The list of what surrounds a scene's surfaces. The members of Sky and SkyData, their checks, copies and digests are made
+// from it.
+#ifndef CLARAY_SHARED_LISTS_SKY_H
+#define CLARAY_SHARED_LISTS_SKY_H
+
+// A row is COLOR(name, "name in errors") or NUMBER(name, "name in errors"): three floats or one, finite and not
+// negative, 0 by default.
+//   horizon, zenith  radiance of rays that leave the scene, linear in the sine of their elevation; below the horizon
+//                    that of the horizon
+#define CLARAY_SKY(COLOR, NUMBER)                 \
+    COLOR(horizon, "radiance of the horizon")     \
+    COLOR(zenith, "radiance of the zenith")
+
+#endif
