@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "host/effects/effects.hpp"
+#include "host/effects/parts/part.hpp"
 #include "tests/render/scenes.hpp"
 #include "tests/render/textures/textures.hpp"
 #include "tests/support/device.hpp"
@@ -154,14 +155,10 @@ TEST(Effects, HaveBuiltInScenes) {
     }
     const Scene all = *builtin_scene("effects");
     validate(all);
-    // An environment is in the sky's place, the camera is perspective, and no quick kernels know primitives.
-    const EffectSet replaced = {
-#define CLARAY_ROW(name, NAME, text, flat, parallel, stretch) Effect::name,
-        CLARAY_OTHER_PROJECTIONS(CLARAY_ROW)
-#undef CLARAY_ROW
-            Effect::sky,
-        Effect::primitives};
-    EXPECT_EQ(effects_of(all), known_effects() - replaced);
+    EffectSet apart;
+    for (const Effect effect : all_effects())
+        if (part_of(effect).apart) apart.add(effect);
+    EXPECT_EQ(effects_of(all), known_effects() - apart);
     expect_picture(all);
     EXPECT_TRUE(throws_error(ErrorKind::usage, "mirror", [] { (void)builtin_scene("effect:stars"); }));
 }
