@@ -110,6 +110,22 @@ Sky parse_sky(const std::string& text) {
     return {{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}};
 }
 
+/// "DENSITY,R,G,B,DEPTH"; the colour may be one number, and the depth may be left out.
+Sky parse_fog(const std::string& text) {
+    const std::vector<float> numbers = parse_numbers(text);
+    const bool negative = std::any_of(numbers.begin(), numbers.end(), [](float x) { return x < 0; });
+    const std::size_t given = numbers.size();
+    if (negative || given < 2 || given > 5)
+        refuse("--fog: '" + text + "' is not fog",
+               "write DENSITY,R,G,B or DENSITY,R,G,B,DEPTH; one number instead of R,G,B is grey");
+    const bool grey = given < 4;
+    Sky fog;
+    fog.fog_density = numbers[0];
+    fog.fog_color = grey ? glm::vec3(numbers[1]) : glm::vec3(numbers[1], numbers[2], numbers[3]);
+    if (given == 3 || given == 5) fog.fog_depth = numbers.back();
+    return fog;
+}
+
 }  // namespace
 
 void add_light_options(CLI::App& command, LightOptions& o) {
@@ -132,6 +148,10 @@ void add_light_options(CLI::App& command, LightOptions& o) {
     command.add_option_function<std::string>(
         "--sky", [&o](const std::string& text) { o.sky = parse_sky(text); },
         "Radiance from where no surface is: R,G,B, or R,G,B,R,G,B from horizon to zenith");
+    command.add_option_function<std::string>(
+        "--fog", [&o](const std::string& text) { o.fog = parse_fog(text); },
+        "Fog between the surfaces: DENSITY,R,G,B[,DEPTH]. exp(-DENSITY d) of the light is left after d units; DEPTH\n"
+        "lies before the sky [0]");
     command.add_option(
         "--environment", o.environment,
         "An image round the scene, in place of the sky: latitude and longitude, or a folder with px nx py ny pz nz");
@@ -147,7 +167,15 @@ bool add_lights(Scene& scene, const LightOptions& options) {
     scene.lights.insert(scene.lights.end(), options.lights.begin(), options.lights.end());
     if (options.artist_lights)
         for (Light& light : scene.lights) light.intensity *= std::numbers::pi_v<float>;
-    if (options.sky) scene.sky = *options.sky, scene.environment = {};
+    if (options.sky) {
+        scene.sky.horizon = options.sky->horizon, scene.sky.zenith = options.sky->zenith;
+        scene.environment = {};
+    }
+    if (options.fog) {
+        const Sky& fog = *options.fog;
+        scene.sky.fog_color = fog.fog_color, scene.sky.fog_density = fog.fog_density;
+        scene.sky.fog_depth = fog.fog_depth;
+    }
     if (options.environment.empty()) return options.sky || !options.lights.empty();
     Warnings warnings;
     scene.environment = load_environment(options.environment, warnings);
