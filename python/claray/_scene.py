@@ -220,6 +220,21 @@ class Scene(Handle):
         self._native.sky = (tuple(horizon), tuple(zenith))
         self._added_light = None
 
+    @property
+    def fog(self) -> tuple[float, Any, float]:
+        """Density, colour and depth of the fog between surfaces. After a distance d, exp(-density d) of the light is left,
+        and the rest has the colour. Fog of the depth lies before the sky, an environment and far lights. Density 0: no fog."""
+        return self._native.fog
+
+    @fog.setter
+    def fog(self, fog: Any) -> None:
+        try:
+            density, color, depth = fog
+            red, green, blue = color
+            self._native.fog = (float(density), (float(red), float(green), float(blue)), float(depth))
+        except (TypeError, ValueError) as error:
+            raise UsageError(f"fog: is {fog!r}; use a density, three numbers for the colour, and a depth") from error
+
     def _warn_of_added_light(self) -> None:
         """Warns, once, of light that load() added and the caller has not replaced."""
         if self._added_light:

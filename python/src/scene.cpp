@@ -4,6 +4,7 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include "arrays.hpp"
@@ -230,6 +231,11 @@ void bind_scene(nb::module_& module) {
             [](Scene& s, const std::pair<glm::vec3, glm::vec3>& colors) {
                 s.sky.horizon = colors.first, s.sky.zenith = colors.second;
                 s.environment = {};
+            })
+        .def_prop_rw(
+            "fog", [](const Scene& s) { return std::make_tuple(s.sky.fog_density, s.sky.fog_color, s.sky.fog_depth); },
+            [](Scene& s, const std::tuple<float, glm::vec3, float>& fog) {
+                std::tie(s.sky.fog_density, s.sky.fog_color, s.sky.fog_depth) = fog;
             })
         .def_prop_rw(
             "camera", [](const Scene& s) { return camera_of(s); },

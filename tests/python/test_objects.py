@@ -128,6 +128,8 @@ def test_wrong_types_are_refused():
     refused("sky", lambda: setattr(scene, "sky", "blue"))
     refused("sky", lambda: setattr(scene, "sky", (1, 1)))
     refused("sky", lambda: setattr(scene, "sky", ((1, 1, 1), (1, 1))))
+    refused("fog", lambda: setattr(scene, "fog", 0.1))
+    refused("fog", lambda: setattr(scene, "fog", (0.1, 1, 0)))
     refused("name", lambda: setattr(scene, "name", 7))
     refused("intensity", lambda: claray.Light(intensity=5))
     refused("material", lambda: scene.add_mesh(np.eye(3), [[0, 1, 2]], material=-1))

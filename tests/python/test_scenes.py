@@ -24,6 +24,16 @@ def test_images_of_a_furnace_are_white():
     assert abs(float(image.mean()) - 1) < 0.02
 
 
+def test_fog_lies_before_the_sky():
+    scene = furnace()
+    scene.fog = 0.5, (3, 2, 1), 2
+    assert scene.fog == (0.5, (3, 2, 1), 2)
+    scene.camera = claray.Camera(position=(0, 100, 0), target=(0, 200, 0), up=(0, 0, 1))
+    left = np.exp(-0.5 * 2)
+    image = claray.render(scene, width=4, height=4, spp=1)
+    assert np.allclose(image, left + (1 - left) * np.array([3, 2, 1]), rtol=1e-5)
+
+
 def test_images_show_and_save_themselves(tmp_path):
     pillow = pytest.importorskip("PIL.Image")
     renderer = claray.Renderer(claray.load("cornell"), width=24, height=16, spp=4)
