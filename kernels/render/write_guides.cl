@@ -83,34 +83,27 @@ static inline NextRay pass_mirror(const FrameData* frame, SCENE_PARAMETERS, uint
 }
 
 /// As shade_hit, without the light that rough surfaces reflect. Adds to `seen`, which depth 0 begins; `next` is wanted if the ray goes on.
-static CLARAY_OUTLINED void see(PathState state, const FrameData* frame, SCENE_PARAMETERS, uint depth, Ray ray, SceneHit found, float time,
-                       global Sight* seen, NextRay* next) {
-    Sight sight = {1.0f, 1.0f, 1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0u};
+static CLARAY_OUTLINED void see(PathState state, const Step* step, SCENE_PARAMETERS, Ray ray, SceneHit found, float time, global Sight* seen,
+                                NextRay* next) {
+    const FrameData* frame = &step->frame;
+    const uint depth = step->depth;
+    Sight sight = {1.0f, 1.0f, 1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0u, 0u};
     if (depth != 0u) sight = *seen;
     const Lights lights = lights_of(frame, SCENE);
-    const float3 direction = (float3)(ray.dx, ray.dy, ray.dz);
     state.throughput_r = sight.throughput_r, state.throughput_g = sight.throughput_g, state.throughput_b = sight.throughput_b;
     state.pdf = sight.pdf;
     next->wanted = false;
     const Hit hit = hit_of(found INSTANCE_BUFFERS);
     float3 glow, albedo = (float3)(0.0f);
-    if (hit.primitive == CLARAY_MISS) {
-        glow = radiance_beyond(frame, &lights, direction, 0, state);
-    } else {
-        ShadingPoint at;
-        surface_at_hit(0, frame, SCENE, ray, found, time, camera_cone(frame), 0u, false, &at);
-        if (ABSORPTION && at.surface.inside) state = attenuated(state, transmittance_of(&at.material, hit.t));
+    ShadingPoint at;
+    const bool goes_on = arrive(0, step, &lights, 0u, SCENE, ray, found, time, camera_cone(frame), sight.media, 0, &state, &glow, &at);
+    if (hit.primitive != CLARAY_MISS) {
         if (depth == 0u) {
             sight.normal_x = at.surface.shading.x, sight.normal_y = at.surface.shading.y, sight.normal_z = at.surface.shading.z;
             sight.nearness = 1.0f / fmax(hit.t, 1e-30f);
         }
         albedo = throughput_of(state) * albedo_there(&at);
-        bool ends = depth + 1u >= min(MOST_MIRRORS, frame->max_depth);
-        glow = emitted_radiance(&lights, SCENE, found, hit, 0u, ray, state, &at, 0);
-        if (USES(CLARAY_UNLIT) && at.material.kind == CLARAY_UNLIT)
-            glow = state.pdf == 0.0f ? throughput_of(state) * albedo_of(&at.material) : (float3)(0.0f), ends = true;
-        if (TEXTURES && LIGHT_MAPS && at.maps.has_light && !at.surface.inside) glow += albedo * at.maps.light * INV_PI, ends = true;
-        if (!ends) *next = pass_mirror(frame, SCENE, depth, ray, state, &at);
+        if (goes_on && depth + 1u < min(MOST_MIRRORS, frame->max_depth)) *next = pass_mirror(frame, SCENE, depth, ray, state, &at);
     }
     if (sight.passed == CLARAY_BY_GLOSS) {
         sight.gloss_r += glow.x, sight.gloss_g += glow.y, sight.gloss_b += glow.z;
@@ -120,6 +113,7 @@ static CLARAY_OUTLINED void see(PathState state, const FrameData* frame, SCENE_P
     }
     if (next->wanted) {
         sight.pdf = next->state.pdf;
+        if (NESTED_MEDIA) sight.media = next->media;
         sight.passed = max(sight.passed, next->state.pdf > 0.0f ? CLARAY_BY_GLOSS : CLARAY_BY_MIRROR);
         sight.throughput_r = next->state.throughput_r, sight.throughput_g = next->state.throughput_g;
         sight.throughput_b = next->state.throughput_b;
@@ -137,11 +131,10 @@ typedef struct SeenRay {
 /// Ray i of this depth. `numbers`: from depth 1 on the index of each ray among the camera rays.
 static inline void see_ray(const GuideStep* guide, global const GuideRun* runs, global const uint* list, SCENE_PARAMETERS, global const Ray* rays,
                            SceneHit found, global const uint* numbers, uint i, global Sight* sights, SeenRay* seen) {
-    const uint depth = guide->step.depth;
-    seen->number = depth == 0u ? i : numbers[i];
+    seen->number = guide->step.depth == 0u ? i : numbers[i];
     const PathState state = guided_state(guide, runs, seen->number, list);
     seen->time = INSTANCE_MOTION ? time_of(samples_of(state, guide->step.frame.seed)) : 0.0f;
-    see(state, &guide->step.frame, SCENE, depth, queued_ray(&rays[i]), found, seen->time, &sights[seen->number], &seen->next);
+    see(state, &guide->step, SCENE, queued_ray(&rays[i]), found, seen->time, &sights[seen->number], &seen->next);
 }
 
 static inline void append_ray(const SeenRay* seen, uint slot, global Ray* next_rays, global float* next_times, global uint* next_numbers) {

@@ -50,6 +50,7 @@ typedef struct CLARAY_ALIGNED(16) Sight {
     float gloss_r, gloss_g, gloss_b;
     float pdf;    // density of the direction of the next ray; 0: a mirror's
     uint passed;  // on by mirrors: CLARAY_BY_MIRROR, or also by an almost mirror: CLARAY_BY_GLOSS
+    ulong media;  // that the next ray is in (kernels/shade/media.clh)
 } Sight;
 CLARAY_LAYOUT(Sight, 80)
 #define CLARAY_BY_MIRROR 1u
