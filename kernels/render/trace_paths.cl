@@ -1,6 +1,7 @@
 // The path tracer in one kernel: a work-item follows its path from the camera to the end. This is faster if paths do similar work:
 // in scenes with few effects that paths leave soon (Laine, Karras and Aila 2013, "Megakernels considered harmful", explain why
 // not in others).
+#define FROM_CAMERA 1
 #include "render/follow_path.clh"
 
 /// Traces all paths of a batch, with at most `step.depth` rays each, and writes their radiance.
