@@ -11,7 +11,7 @@
 #include "host/compute/programs/compiler_processes.hpp"
 #include "host/measure/measure.hpp"
 #include "host/render/kernels/kernel_choice.hpp"
-#include "host/render/wavefront.hpp"
+#include "host/render/wavefront/wavefront.hpp"
 
 namespace claray::measure {
 namespace {

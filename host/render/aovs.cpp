@@ -28,11 +28,11 @@ AovStage::AovStage(const SceneBuffers& scene, EffectSet effects, std::uint32_t p
 #undef CLARAY_ALLOCATE
 }
 
-void AovStage::run(Wavefront& wavefront, const SceneBuffers& scene, std::uint32_t first, std::uint32_t count) {
+void AovStage::run(Wavefront& wavefront, std::uint32_t first, std::uint32_t count) {
     wavefront.trace_centers({first, count, 0, 1, 0}, trace_);
 #define CLARAY_ARGUMENT(name, kind, letters, meaning) , arg(#name, name)
-    write_.run({count, 64}, wavefront.step_of({}, 0, count), scene, wavefront.rays(), wavefront.hits(),
-               counts_ CLARAY_AOVS(CLARAY_ARGUMENT));
+    write_.run({count, 64}, wavefront.step_of({}, 0, count), wavefront.scene, wavefront.queues.of_depth(0).rays,
+               wavefront.queues.hits, counts_ CLARAY_AOVS(CLARAY_ARGUMENT));
 #undef CLARAY_ARGUMENT
 }
 

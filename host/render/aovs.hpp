@@ -3,7 +3,7 @@
 
 #include "claray/renderer.hpp"
 #include "host/compute/memory.hpp"
-#include "host/render/wavefront.hpp"
+#include "host/render/wavefront/wavefront.hpp"
 
 namespace claray {
 
@@ -22,7 +22,7 @@ public:
     [[nodiscard]] std::uint32_t capacity() const { return std::uint32_t(counts_.size()); }
     /// Traces pixels `first` to `first` + `count` - 1, at most `capacity()`; asynchronous. The data of pixel `first` +
     /// i is element i.
-    void run(Wavefront& wavefront, const SceneBuffers& scene, std::uint32_t first, std::uint32_t count);
+    void run(Wavefront& wavefront, std::uint32_t first, std::uint32_t count);
 
     [[nodiscard]] std::uint64_t bytes() const {
 #define CLARAY_BUFFER(name, kind, letters, meaning) , name

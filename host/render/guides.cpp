@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "host/render/wavefront.hpp"
+#include "host/render/wavefront/queues.hpp"
 
 namespace claray {
 namespace {

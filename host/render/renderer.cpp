@@ -27,7 +27,7 @@ ImageSizes Renderer::State::sizes(unsigned width, unsigned height) const {
 }
 
 void Renderer::State::look_through(const Camera& view) {
-    wavefront.frame().camera = camera_data(view, aspect_of(config));
+    wavefront.frame.camera = camera_data(view, aspect_of(config));
     source.camera = view;
 }
 
@@ -38,7 +38,7 @@ ToneMapper& Renderer::State::mapper_of(std::uint32_t image_pixels) {
 }
 
 void Renderer::State::follow_light() {
-    if (light_grid) light_grid->follow(source.camera.position, wavefront, buffers);
+    if (light_grid) light_grid->follow(source.camera.position, wavefront);
 }
 
 void Renderer::State::sample_all_pixels() {
@@ -50,8 +50,8 @@ void Renderer::State::sample_all_pixels() {
 
 AovStage& Renderer::State::aov_stage() {
     if (!outputs.aovs)
-        outputs.aovs.emplace(buffers, wavefront.kernel_effects(),
-                             std::min<std::uint32_t>(wavefront.capacity(), pixels()));
+        outputs.aovs.emplace(buffers, wavefront.kernels.config.effects,
+                             std::min<std::uint32_t>(wavefront.queues.capacity, pixels()));
     return *outputs.aovs;
 }
 
@@ -74,9 +74,9 @@ void Renderer::State::warm_up() {
     const Batch few{0, std::min(pixels(), 64u), 0, 1, 0};
     Film scratch(device, few.pixels);
     wavefront.trace(few);
-    scratch.accumulate(few, wavefront.radiance());
+    scratch.accumulate(few, wavefront.queues.radiance);
     (void)scratch.noise();
-    wavefront.reset_totals();
+    wavefront.totals.reset();
 }
 
 /// Until the first of both limits is reached; infinite without one.
@@ -88,7 +88,7 @@ double Renderer::State::seconds_left() const {
 /// As many paths as fit in half of the time between two reports. Near a time limit, as fit in half of the remaining
 /// time, because machines slow down without warning. Every pixel gets a sample in any case.
 std::uint32_t Renderer::State::paths_of_next_batch(InFlight& in_flight) const {
-    if (parts_take_turns()) return wavefront.capacity();  // copying them takes as long for a few paths
+    if (parts_take_turns()) return wavefront.queues.capacity;  // copying them takes as long for a few paths
     if (sampling.schedule.complete_passes_spp() == 0) return sampling.pace.paths();
     const double to_report = std::max(1.0, 1e3 * config.report_seconds / 2);
     const double limit = config.seconds > 0 ? std::min(config.seconds, time.call_seconds) : time.call_seconds;
@@ -123,14 +123,14 @@ void Renderer::State::set_bounds(const Scene& scene, bool vertices) {
 
 void Renderer::State::trace(const Batch& batch) {
     const auto add = [&](const Batch& part) {
-        film.accumulate(part, wavefront.radiance(), buffers.tables, buffers.where.listed_pixels);
+        film.accumulate(part, wavefront.queues.radiance, buffers.tables, buffers.where.listed_pixels);
     };
     if (!may_guide()) {
         wavefront.trace(batch);
         return add(batch);
     }
     if (!sampling.guide) sampling.guide.emplace(device, source.bounds, pixels());
-    sampling.guide->trace(batch, config.spp, wavefront, buffers, add);
+    sampling.guide->trace(batch, config.spp, wavefront, add);
 }
 
 void Renderer::State::trace(const Batch& batch, InFlight& in_flight) {
@@ -198,10 +198,10 @@ void Renderer::restart(std::uint32_t seed, unsigned spp, unsigned max_depth) {
     State& state = *state_;
     state.refuse_with_checkpoints("a render that writes checkpoints cannot be restarted");
     state.config.seed = seed;
-    state.wavefront.frame().seed = seed;
+    state.wavefront.frame.seed = seed;
     const unsigned wanted = spp == 0 ? state.config.spp : std::min(spp, state.sampling.most_spp);
     if (wanted != state.config.spp) state.config.spp = wanted, state.path_kernel.reset();
-    if (max_depth != 0) state.wavefront.frame().max_depth = std::min(max_depth, state.config.max_depth);
+    if (max_depth != 0) state.wavefront.frame.max_depth = std::min(max_depth, state.config.max_depth);
     if (max_depth != 0) state.error.cut_off.reset();
     state.discard_samples();
 }
@@ -246,7 +246,7 @@ void Renderer::resize(unsigned width, unsigned height) {
     state.wavefront.resize(width, height, std::uint64_t(state.pixels()) * state.sampling.most_spp);
     state.look_through(state.source.camera);
     state.film = Film(state.device, state.pixels(), tells_error(state.config), state.config.sample_clamp);
-    state.sampling.pace = Pace(state.first_paths(), state.wavefront.capacity());
+    state.sampling.pace = Pace(state.first_paths(), state.wavefront.queues.capacity);
     state.path_kernel.reset();
     state.error.cut_off.reset();
     state.discard_samples();

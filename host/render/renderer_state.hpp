@@ -19,7 +19,7 @@
 #include "host/render/in_flight.hpp"
 #include "host/render/kernels/kernel_choice.hpp"
 #include "host/render/schedule/adaptive_schedule.hpp"
-#include "host/render/wavefront.hpp"
+#include "host/render/wavefront/wavefront.hpp"
 
 namespace claray {
 
@@ -175,7 +175,7 @@ struct Renderer::State {
     void save_checkpoint();
     [[nodiscard]] AovStage& aov_stage();
     [[nodiscard]] DenoisingStage& denoising_stage();
-    [[nodiscard]] DenoisingStage::Noisy noisy() const { return {buffers, wavefront.frame(), film.pixels(), spp()}; }
+    [[nodiscard]] DenoisingStage::Noisy noisy() const { return {buffers, wavefront.frame, film.pixels(), spp()}; }
     void discard_samples();
 
     // update.cpp
@@ -184,11 +184,11 @@ struct Renderer::State {
     [[nodiscard]] bool move_vertices(const Scene& scene, bool all);
     [[nodiscard]] bool move_instances(const Scene& scene);
     void rebuild_scene(const Scene& scene);
-    void support(EffectSet effects);
+    void support_scene();
     [[nodiscard]] std::uint32_t pixels() const { return config.width * config.height; }
     [[nodiscard]] AdaptiveSchedule new_schedule() const {
         const double least_gain = device.tuning("render/adaptive", "LEAST_GAIN_PERCENT") / 100.0;
-        return {config.width, config.height, config.spp, wavefront.capacity(), config.adaptive, least_gain};
+        return {config.width, config.height, config.spp, wavefront.queues.capacity, config.adaptive, least_gain};
     }
     [[nodiscard]] std::uint32_t words_of_listed_pixels() const {
         return config.adaptive ? AdaptiveSchedule::words_per_pixel * pixels() : 0;

@@ -2,6 +2,7 @@
 #include "host/compute/memory.hpp"
 #include "host/compute/read_back.hpp"
 #include "host/denoise/denoised_image.hpp"
+#include "host/render/light_grid/grid_rays.hpp"
 #include "host/render/parts/scene_parts.hpp"
 #include "host/render/renderer_state.hpp"
 
@@ -59,7 +60,7 @@ double Renderer::cut_off() const { return state_->cut_off(); }
 
 RenderStatistics Renderer::statistics() const {
     const State& state = *state_;
-    const Wavefront::Totals totals = state.wavefront.totals();
+    const RayTotals::Sums totals = state.wavefront.totals.sums();
     RenderStatistics statistics;
     statistics.build_milliseconds = state.device_time.build;
     statistics.bvh = state.structure.statistics();
@@ -99,12 +100,12 @@ std::vector<glm::vec3> Renderer::voxels() const {
     if (!state.light_grid || !state.config.light_grid.voxels)
         throw Error(claray::ErrorKind::usage, "there are no voxels", "approximate by a light grid of voxels");
     state.follow_light();
-    const std::uint32_t all = state.pixels(), most = std::min(state.wavefront.capacity(), all);
+    const std::uint32_t all = state.pixels(), most = std::min(state.wavefront.queues.capacity, all);
     VectorRoom<glm::vec3> albedo(all);
     Buffer<float> part(state.device, 3 * std::size_t(most));
     for (std::uint32_t first = 0; first < all; first += most) {
         const std::uint32_t count = std::min(most, all - first);
-        state.wavefront.show_voxels({first, count, 0, 1, 0}, part);
+        show_voxels(state.wavefront, {first, count, 0, 1, 0}, part);
         read_back(part, albedo.span().subspan(first, count));
     }
     return albedo.take();
@@ -119,7 +120,7 @@ Aovs Renderer::aovs() const {
 #undef CLARAY_ROOM
     for (std::size_t first = 0; first < pixels; first += stage.capacity()) {
         const std::size_t n = std::min<std::size_t>(stage.capacity(), pixels - first);
-        stage.run(state.wavefront, state.buffers, std::uint32_t(first), std::uint32_t(n));
+        stage.run(state.wavefront, std::uint32_t(first), std::uint32_t(n));
 #define CLARAY_READ(name, kind, letters, meaning) read_back(stage.name, name.span().subspan(first, n));
         CLARAY_AOVS(CLARAY_READ)
 #undef CLARAY_READ

@@ -109,10 +109,11 @@ Renderer::State::State(const Device& on, const Scene& scene, const RenderConfig&
       light_grid(light_grid_of(with, scene)),
       buffers(on, scene, structure, config.effects.add, selection_of_lights(with), words_of(light_grid),
               words_of_listed_pixels(), words_of_guide()),
-      wavefront(on, buffers, frame_data(scene, source.camera, buffers, with), load_kernels(plan.first.effects),
+      wavefront(buffers, frame_data(scene, source.camera, buffers, with), load_kernels(plan.first.effects),
                 std::uint64_t(pixels()) * with.spp),
       film(on, pixels(), tells_error(with), with.sample_clamp),
-      sampling{.schedule = new_schedule(), .pace = Pace(first_paths(), wavefront.capacity()), .most_spp = with.spp} {
+      sampling{
+          .schedule = new_schedule(), .pace = Pace(first_paths(), wavefront.queues.capacity), .most_spp = with.spp} {
     for (const char* name : {trace_camera_name, trace_bounce_name, trace_shadow_name, trace_paths_name})
         device_time.of_kernels[name] = device.profiler().milliseconds(name);
     forget_slow_programs(on);
@@ -123,7 +124,7 @@ Renderer::State::State(const Device& on, const Scene& scene, const RenderConfig&
 bool Renderer::State::parts_take_turns() const { return structure.parts() && structure.parts()->take_turns(); }
 
 std::uint32_t Renderer::State::first_paths() const {
-    if (parts_take_turns()) return wavefront.capacity();
+    if (parts_take_turns()) return wavefront.queues.capacity;
     const std::uint32_t tuned = device.tuning("render/wavefront", "FIRST_PATHS");
     return plan.start == KernelStart::quick ? std::min(tuned, quick_first_paths) : tuned;
 }

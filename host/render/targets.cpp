@@ -5,6 +5,7 @@
 
 #include "host/base/seconds_since.hpp"
 #include "host/render/renderer_state.hpp"
+#include "host/render/wavefront/cut_off.hpp"
 
 namespace claray {
 namespace {
@@ -112,7 +113,7 @@ double Renderer::State::noise_over_halves() const {
 
 /// Does not depend on the samples or the seed.
 double Renderer::State::cut_off() {
-    if (!error.cut_off) error.cut_off = timed([&] { return wavefront.cut_off(); });
+    if (!error.cut_off) error.cut_off = timed([&] { return share_cut_off(wavefront); });
     return *error.cut_off;
 }
 

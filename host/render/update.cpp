@@ -80,10 +80,10 @@ SceneShape::SceneShape(const Scene& scene, const Scene& placed, std::vector<Inst
     }
 }
 
-/// Keeps the kernels in use if they support the effects. Others are compiled in the background if that is possible.
-void Renderer::State::support(EffectSet effects) {
-    if (wavefront.supports(effects, has_lights(buffers.lights))) return;
-    plan = plan_kernels(device, traits(effects), config);
+/// Keeps the kernels in use if they support the scene. Others are compiled in the background if that is possible.
+void Renderer::State::support_scene() {
+    if (wavefront.kernels.config.supports(buffers)) return;
+    plan = plan_kernels(device, traits(buffers.effects), config);
     own_kernels = plan.first == plan.last;
     compiler = {};
     const Layout layout = plan.first.layout;
@@ -165,7 +165,7 @@ void Renderer::State::move(const Scene& scene, const SceneChanges& changes) {
 
 void Renderer::State::update(const Scene& scene, const SceneChanges& changes) {
     if (changes.camera && scene.camera) look_through(*scene.camera);
-    if (changes.sky) wavefront.frame().sky = sky_data(scene);
+    if (changes.sky) wavefront.frame.sky = sky_data(scene);
     if (changes.instances || changes.vertices) move(scene, changes);
     EffectSet effects = with_parts(buffers.effects, scene, changes);
     if (changes.materials) {
@@ -180,7 +180,7 @@ void Renderer::State::update(const Scene& scene, const SceneChanges& changes) {
     const bool surfaces = changes.instances || changes.vertices;
     if (light_grid && (surfaces || changes.lights || changes.materials || changes.sky))
         light_grid->scene_changed(surfaces);
-    support(buffers.effects);
+    support_scene();
 }
 
 void Renderer::update(const Scene& scene, const SceneChanges& changes) {

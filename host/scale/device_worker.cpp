@@ -88,7 +88,7 @@ void DeviceWorker::set_up() {
     if (device_.info().type == DeviceType::cpu) lock.lock();
     renderer_.emplace(device_, scene_, config_);
     Renderer::State& state = state_of(*renderer_);
-    state.wavefront.make_room(state.wavefront.capacity());  // an H200 takes 5 ms for it
+    state.wavefront.make_room(state.wavefront.queues.capacity);  // an H200 takes 5 ms for it
     state.warm_up();
     state.follow_light();
     device_.finish();
@@ -96,7 +96,7 @@ void DeviceWorker::set_up() {
     state.time.begin = state.time.first_begin = Clock::now();
     const std::uint32_t first = state.first_paths();
     inbox_.post({number_, Report::Kind::ready, first,
-                 state.parts_take_turns() ? first : most_batches * state.wavefront.capacity(), handover});
+                 state.parts_take_turns() ? first : most_batches * state.wavefront.queues.capacity, handover});
 }
 
 void DeviceWorker::run() {
@@ -140,7 +140,7 @@ void DeviceWorker::carry_out(const Job& job) {
 void DeviceWorker::render(const Batch& all) {
     Renderer::State& state = state_of(*renderer_);
     PendingBatches left({all});
-    while (!left.empty()) state.trace(left.next(state.wavefront.capacity()));
+    while (!left.empty()) state.trace(left.next(state.wavefront.queues.capacity));
     samples_ += std::uint64_t(all.pixels) * all.samples;
     state.choose_kernels(samples_ >= state.pixels());
 }

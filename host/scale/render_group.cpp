@@ -112,7 +112,7 @@ void RenderGroup::State::begin_dealing() {
     wait_for_lead();
     const Renderer::State& state = state_of(lead().renderer());
     dealer.emplace(runs_of(start, state.pixels()),
-                   PassSchedule::longest_pass(state.pixels(), state.wavefront.capacity()),
+                   PassSchedule::longest_pass(state.pixels(), state.wavefront.queues.capacity),
                    std::max(4096u, 16 * std::uint32_t(members.size())));
     for (Member& member : members)
         if (member.is_ready && !member.has_failed) join_dealing(member);

@@ -189,7 +189,7 @@ TEST(AmbientOcclusion, AWallHidesItsSegmentOfTheHemisphereAndReflects) {
         scene.camera = narrow_camera({0.1f, 3, 0}, {0, 0, 0});
         const auto render = [&](unsigned sixteen) {
             Renderer renderer(device_of_study(sixteen), scene, config);
-            state_of(renderer).wavefront.frame().ambient = {3, 0, 0, reach};
+            state_of(renderer).wavefront.frame.ambient = {3, 0, 0, reach};
             (void)renderer.render();
             return renderer.image();
         };
@@ -210,7 +210,7 @@ TEST(AmbientOcclusion, LeavesDirectLightAndMirrorsAsTheyAre) {
         scene.camera = narrow_camera({0.25f, 1, 0.1f}, {0, 0, 0});
         const RenderConfig config{.width = 8, .height = 8, .spp = 256, .max_depth = 1};
         Renderer renderer(device_of_study(1), scene, config);
-        state_of(renderer).wavefront.frame().ambient = {3, 0, 0, 0.1f};
+        state_of(renderer).wavefront.frame.ambient = {3, 0, 0, 0.1f};
         (void)renderer.render();
         EXPECT_NEAR(mean(renderer.image()).y / mean(render_image(scene, config)).y, 1, 0.01);
     }

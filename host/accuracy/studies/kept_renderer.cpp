@@ -73,7 +73,7 @@ void KeptRenderer::make_room() const {
 void KeptRenderer::make() {
     make_room();
     Renderer::State& state = state_of(renderer_.emplace(device_, scene_, config_));
-    state.wavefront.frame().ambient = ambient_;
+    state.wavefront.frame.ambient = ambient_;
     state.settle();
     last_ = {};
 }

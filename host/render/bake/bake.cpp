@@ -8,7 +8,7 @@
 #include "host/render/bake/texel_points.hpp"
 #include "host/render/film/film.hpp"
 #include "host/render/schedule/pass_schedule.hpp"
-#include "host/render/wavefront.hpp"
+#include "host/render/wavefront/wavefront.hpp"
 
 namespace claray {
 namespace {
@@ -58,6 +58,21 @@ void continue_outwards(std::vector<glm::vec3>& texels, std::vector<bool>& known,
     }
 }
 
+/// Traces the paths of a batch that begin at points of surfaces, one per pixel. The points are treated as white
+/// Lambertians without emission, whatever their material. Asynchronous.
+void trace_from(const Buffer<Hit>& points, const Batch& batch, Wavefront& wavefront) {
+    const std::uint32_t paths = batch.pixels * batch.samples;
+    wavefront.make_room(paths);
+    Queues& queues = wavefront.queues;
+    const RayArrays& first = queues.of_depth(0);
+    const TriangleBuffers& triangles = wavefront.scene.structure.triangles();
+    queues.lengths.of_rays(0).fill(paths);
+    wavefront.kernels.generate.run({paths, 64}, batch, arg("points", points), arg("positions", triangles.positions),
+                                   triangles.indices, first.rays, first.states, arg("hits", queues.hits),
+                                   arg("radiance", queues.radiance));
+    wavefront.trace_stages(batch, true);
+}
+
 /// Radiance of white Lambertian points, one per texel.
 std::vector<glm::vec3> radiance_of(const Device& device, const Scene& scene, const TexelPoints& texels,
                                    const LightMapConfig& config, const std::function<bool(double)>& progress) {
@@ -66,18 +81,18 @@ std::vector<glm::vec3> radiance_of(const Device& device, const Scene& scene, con
     const SceneBuffers buffers(device, scene, structure);
     StageConfig stages = stages_of(buffers, config.sampler, buffers.effects | EffectSet{Effect::lambert});
     stages.task = PathTask::bake, stages.shaders = {};  // a texel is white, whatever its material
-    Wavefront wavefront(device, buffers, frame_without_camera(scene, buffers, config),
-                        WavefrontKernels(buffers, stages), std::uint64_t(count) * config.spp);
+    Wavefront wavefront(buffers, frame_without_camera(scene, buffers, config), WavefrontKernels(buffers, stages),
+                        std::uint64_t(count) * config.spp);
     const Buffer<Hit> points(device, texels.points);
     Film film(device, count);
-    PassSchedule schedule(count, config.spp, wavefront.capacity());
-    Pace pace(device.tuning("render/wavefront", "FIRST_PATHS"), wavefront.capacity());
+    PassSchedule schedule(count, config.spp, wavefront.queues.capacity);
+    Pace pace(device.tuning("render/wavefront", "FIRST_PATHS"), wavefront.queues.capacity);
     const double all = double(count) * config.spp;
     while (!schedule.finished()) {
         const auto begin = std::chrono::steady_clock::now();
         const Batch batch = schedule.next(pace.paths());
-        wavefront.trace_from(points, batch);
-        film.accumulate(batch, wavefront.radiance());
+        trace_from(points, batch, wavefront);
+        film.accumulate(batch, wavefront.queues.radiance);
         device.finish();
         const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - begin;
         pace.took(batch.pixels * batch.samples, taken.count());

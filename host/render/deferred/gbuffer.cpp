@@ -37,8 +37,8 @@ GBufferStage::GBufferStage(const SceneBuffers& scene, EffectSet effects, std::ui
                          defines_of_aovs(scene, effects))),
       pixels_(scene.structure.device(), pixels) {}
 
-GBuffer GBufferStage::run(Wavefront& wavefront, const SceneBuffers& scene, NormalPacking packing, float far) {
-    const FrameData& frame = wavefront.frame();
+GBuffer GBufferStage::run(Wavefront& wavefront, NormalPacking packing, float far) {
+    const FrameData& frame = wavefront.frame;
     const float near = near_share * far;
     GBuffer buffer;
     buffer.width = frame.width, buffer.height = frame.height;
@@ -49,8 +49,8 @@ GBuffer GBufferStage::run(Wavefront& wavefront, const SceneBuffers& scene, Norma
     for (std::size_t first = 0; first < all; first += pixels_.size()) {
         const auto count = std::uint32_t(std::min(pixels_.size(), all - first));
         wavefront.trace_centers({std::uint32_t(first), count, 0, 1, 0}, trace_);
-        write_.run({count, 64}, wavefront.step_of({}, 0, count), scene, wavefront.rays(), wavefront.hits(), near, far,
-                   std::uint32_t(packing == NormalPacking::spherical), pixels_);
+        write_.run({count, 64}, wavefront.step_of({}, 0, count), wavefront.scene, wavefront.queues.of_depth(0).rays,
+                   wavefront.queues.hits, near, far, std::uint32_t(packing == NormalPacking::spherical), pixels_);
         read_back(pixels_, pixels.span().subspan(first, count));
     }
     buffer.pixels = pixels.take();
@@ -75,9 +75,9 @@ glm::vec3 position_of(const GBuffer& buffer, std::size_t pixel) {
 GBuffer Renderer::gbuffer(NormalPacking packing) const {
     State& state = *state_;
     if (!state.outputs.gbuffer)
-        state.outputs.gbuffer.emplace(state.buffers, state.wavefront.kernel_effects(),
-                                      std::min<std::uint32_t>(state.wavefront.capacity(), state.pixels()));
-    return state.outputs.gbuffer->run(state.wavefront, state.buffers, packing, float(2 * state.buffers.radius()));
+        state.outputs.gbuffer.emplace(state.buffers, state.wavefront.kernels.config.effects,
+                                      std::min<std::uint32_t>(state.wavefront.queues.capacity, state.pixels()));
+    return state.outputs.gbuffer->run(state.wavefront, packing, float(2 * state.buffers.radius()));
 }
 
 }  // namespace claray

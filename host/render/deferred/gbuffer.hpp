@@ -2,7 +2,7 @@
 #pragma once
 
 #include "claray/renderer.hpp"
-#include "host/render/wavefront.hpp"
+#include "host/render/wavefront/wavefront.hpp"
 
 namespace claray {
 
@@ -12,7 +12,7 @@ public:
     GBufferStage(const SceneBuffers& scene, EffectSet effects, std::uint32_t pixels);
 
     /// Traces all pixels and packs their surfaces. Blocks. `far`: see GBuffer.
-    [[nodiscard]] GBuffer run(Wavefront& wavefront, const SceneBuffers& scene, NormalPacking packing, float far);
+    [[nodiscard]] GBuffer run(Wavefront& wavefront, NormalPacking packing, float far);
     [[nodiscard]] std::uint64_t bytes() const { return pixels_.bytes(); }
 
 private:

@@ -177,26 +177,25 @@ bool PathGuide::pays_to_teach(Phase phase, unsigned spp) {
     return phase != last_phase && spp > ends[std::max(phase, unguided_phase)];
 }
 
-void PathGuide::trace(Batch batch, unsigned spp, Wavefront& wavefront, SceneBuffers& scene,
-                      const std::function<void(const Batch&)>& add) {
+void PathGuide::trace(Batch batch, unsigned spp, Wavefront& wavefront, const std::function<void(const Batch&)>& add) {
     while (batch.samples > 0) {
         Batch part = batch;
         if (!batch.listed) part.samples = std::min(batch.samples, ends[phase_of(batch)] - batch.first_sample);
-        trace_part(part, spp, wavefront, scene);
+        trace_part(part, spp, wavefront);
         add(part);
         batch.first_sample += part.samples, batch.samples -= part.samples;
     }
 }
 
 /// What other rays do meanwhile is not guided.
-void PathGuide::trace_part(const Batch& part, unsigned spp, Wavefront& wavefront, SceneBuffers& scene) {
+void PathGuide::trace_part(const Batch& part, unsigned spp, Wavefront& wavefront) {
     const Phase phase = phase_of(part);
-    if (phase >= first_phase && phase > phase_) learn_until(phase, wavefront, scene);
+    if (phase >= first_phase && phase > phase_) learn_until(phase, wavefront);
     const bool teaches = phase == phase_ && pays_to_teach(phase, spp) && follows(part);
-    wavefront.frame().guide = data_for(phase, teaches, wavefront, scene);
+    wavefront.frame.guide = data_for(phase, teaches, wavefront.scene);
     wavefront.trace(part);
     if (teaches) learn(part, wavefront), advance(part);
-    wavefront.frame().guide = {};
+    wavefront.frame.guide = {};
 }
 
 bool PathGuide::follows(const Batch& part) const {
@@ -218,16 +217,16 @@ void PathGuide::learn(const Batch& part, const Wavefront& wavefront) {
         counts_ = Buffer<std::uint32_t>(device_, std::vector<std::uint32_t>(CLARAY_GUIDE_EXPONENTS));
     }
     if (phase_ == unit_phase)
-        load_kernel(device_, learning("count_exponents")).run(size, step, every_, wavefront.radiance(), counts_);
+        load_kernel(device_, learning("count_exponents")).run(size, step, every_, wavefront.queues.radiance, counts_);
     else
-        load_kernel(device_, learning("learn_light")).run(size, step, every_, wavefront.radiance(), found_);
+        load_kernel(device_, learning("learn_light")).run(size, step, every_, wavefront.queues.radiance, found_);
 }
 
 /// From samples that are not added to an image.
-void PathGuide::learn_until(Phase phase, Wavefront& wavefront, SceneBuffers& scene) {
+void PathGuide::learn_until(Phase phase, Wavefront& wavefront) {
     if (cursor_.pixel != 0 || cursor_.sample != first_sample()) forget();
     while (phase_ < phase) {
-        trace_runs(first_sample(), ends[phase_] - first_sample(), wavefront, scene);
+        trace_runs(first_sample(), ends[phase_] - first_sample(), wavefront);
         end_phase();
     }
     cursor_.sample = first_sample();
@@ -235,18 +234,17 @@ void PathGuide::learn_until(Phase phase, Wavefront& wavefront, SceneBuffers& sce
 
 std::uint32_t PathGuide::first_sample() const { return phase_ == unit_phase ? 0 : ends[phase_ - 1]; }
 
-void PathGuide::trace_runs(std::uint32_t first_sample, std::uint32_t samples, Wavefront& wavefront,
-                           SceneBuffers& scene) {
-    const std::uint32_t at_once = std::min(samples, wavefront.capacity());
+void PathGuide::trace_runs(std::uint32_t first_sample, std::uint32_t samples, Wavefront& wavefront) {
+    const std::uint32_t at_once = std::min(samples, wavefront.queues.capacity);
     const std::uint32_t run = every_ == 1 ? pixels_ : CLARAY_GUIDE_RUN;
-    wavefront.frame().guide = data_for(phase_, true, wavefront, scene);
+    wavefront.frame.guide = data_for(phase_, true, wavefront.scene);
     for (std::uint32_t pixel = 0; pixel < pixels_;) {
         if (pixel / CLARAY_GUIDE_RUN % every_ != 0) {
             pixel += CLARAY_GUIDE_RUN;
             continue;
         }
         const std::uint32_t left = std::min(run - pixel % run, pixels_ - pixel);
-        const std::uint32_t pixels = std::min(left, wavefront.capacity() / at_once);
+        const std::uint32_t pixels = std::min(left, wavefront.queues.capacity / at_once);
         for (std::uint32_t done = 0; done < samples; done += at_once) {
             const Batch batch{pixel, pixels, first_sample + done, std::min(at_once, samples - done), 0};
             wavefront.trace(batch);
@@ -254,7 +252,7 @@ void PathGuide::trace_runs(std::uint32_t first_sample, std::uint32_t samples, Wa
         }
         pixel += pixels;
     }
-    wavefront.frame().guide = {};
+    wavefront.frame.guide = {};
 }
 
 void PathGuide::forget() {
@@ -296,9 +294,9 @@ bool PathGuide::tell_unit() {
     return true;
 }
 
-PathGuideData PathGuide::data_for(Phase phase, bool teaches, const Wavefront& wavefront, SceneBuffers& scene) {
+PathGuideData PathGuide::data_for(Phase phase, bool teaches, SceneBuffers& scene) {
     PathGuideData data = data_;
-    data.lessons = teaches && phase != unit_phase ? wavefront.floats_of_paths() : 0;
+    data.lessons = teaches && phase != unit_phase ? floats_of_paths(scene.where) : 0;
     data.guides = maps_[phase].empty() ? 0 : 1;
     if (data.guides != 0 && on_device_ != phase)
         scene.tables.write(maps_[phase], scene.where.guide), on_device_ = phase;

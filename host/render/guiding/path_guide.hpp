@@ -13,8 +13,7 @@
 #include "claray/mesh.hpp"
 #include "claray/renderer.hpp"
 #include "claray/shared/path.h"
-#include "host/render/scene_buffers.hpp"
-#include "host/render/wavefront.hpp"
+#include "host/render/wavefront/wavefront.hpp"
 
 namespace claray {
 
@@ -65,8 +64,7 @@ public:
 
     /// Traces a batch of an image of `spp` samples per pixel by the maps for its samples, and calls `add` for each
     /// part. Learns only what later samples of the image need.
-    void trace(Batch batch, unsigned spp, Wavefront& wavefront, SceneBuffers& scene,
-               const std::function<void(const Batch&)>& add);
+    void trace(Batch batch, unsigned spp, Wavefront& wavefront, const std::function<void(const Batch&)>& add);
     /// Whether it guides samples, by what it has learnt so far.
     [[nodiscard]] bool guides() const {
         return std::any_of(maps_.begin(), maps_.end(), [](const auto& maps) { return !maps.empty(); });
@@ -86,17 +84,17 @@ private:
         std::uint32_t sample = 0, pass = 0, pixel = 0;
     };
 
-    void trace_part(const Batch& part, unsigned spp, Wavefront& wavefront, SceneBuffers& scene);
+    void trace_part(const Batch& part, unsigned spp, Wavefront& wavefront);
     [[nodiscard]] std::uint32_t first_sample() const;  ///< of this phase
     [[nodiscard]] bool follows(const Batch& part) const;
     void advance(const Batch& part);
     void learn(const Batch& part, const Wavefront& wavefront);
-    void learn_until(Phase phase, Wavefront& wavefront, SceneBuffers& scene);
-    void trace_runs(std::uint32_t first_sample, std::uint32_t samples, Wavefront& wavefront, SceneBuffers& scene);
+    void learn_until(Phase phase, Wavefront& wavefront);
+    void trace_runs(std::uint32_t first_sample, std::uint32_t samples, Wavefront& wavefront);
     void end_phase();
     [[nodiscard]] bool tell_unit();
     [[nodiscard]] bool pays(std::span<const GuideBin> found) const;
-    [[nodiscard]] PathGuideData data_for(Phase phase, bool teaches, const Wavefront& wavefront, SceneBuffers& scene);
+    [[nodiscard]] PathGuideData data_for(Phase phase, bool teaches, SceneBuffers& scene);
 
     Device device_;
     std::uint32_t pixels_, every_;  // runs of pixels, of which one teaches

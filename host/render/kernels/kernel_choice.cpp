@@ -2,7 +2,7 @@
 
 #include "host/effects/effects.hpp"
 #include "host/render/guiding/path_guide.hpp"
-#include "host/render/wavefront.hpp"
+#include "host/render/kernels/stage_kernels.hpp"
 #include "host/textures/cutouts.hpp"
 #include "host/textures/texture_use.hpp"
 

@@ -109,12 +109,13 @@ void Renderer::State::choose_kernels(bool sampled) {
 /// The largest pass, half of the samples, takes most of the time.
 bool Renderer::State::may_follow_paths() const {
     const std::uint64_t largest_pass = std::uint64_t(pixels()) * std::max(1u, config.spp / 2);
-    return wavefront.batches_are_small(largest_pass) && claray::may_follow_paths(buffers, plan.last.effects);
+    return wavefront.path_kernels.is_small(std::min<std::uint64_t>(largest_pass, wavefront.queues.capacity)) &&
+           claray::may_follow_paths(buffers, plan.last.effects);
 }
 
 PathKernelChoice Renderer::State::choose_path_kernel() const {
     const Approximations& a = config.approximate;
-    const bool follows = may_follow_paths() && wavefront.paths_are_short();
+    const bool follows = may_follow_paths() && paths_are_short(device, wavefront.totals.sums());
     if (a.tile_sum || a.flat || a.gouraud || a.no_shadows) return {};
     if (!follows && !may_finish_paths(buffers, plan.last.effects)) return {};
     PathKernelChoice choice;
@@ -140,8 +141,7 @@ void Renderer::State::adopt_path_kernel(bool may_compile) {
     path_kernel->is_loaded = true;
     if (path_kernel->program.programs().empty()) return;
     load(device, path_kernel->program);
-    const Kernel kernel = load_kernel(device, path_kernel->kernel);
-    kernel.name() == trace_paths_name ? wavefront.follow_paths(kernel) : wavefront.finish_paths(kernel);
+    wavefront.path_kernels.add(load_kernel(device, path_kernel->kernel));
 }
 
 void Renderer::State::adopt(const Structure& other, EffectSet effects) {

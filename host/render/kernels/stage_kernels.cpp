@@ -1,8 +1,8 @@
-// The kernels of the path tracer's stages, as data and loaded (wavefront.hpp).
+#include "host/render/kernels/stage_kernels.hpp"
+
 #include "host/compute/tuning.hpp"
 #include "host/render/film/film.hpp"
 #include "host/render/guiding/path_guide.hpp"
-#include "host/render/wavefront.hpp"
 
 namespace claray {
 namespace {
@@ -172,8 +172,12 @@ KernelSet programs_of_stages(const Device& device, const StageConfig& config) {
     return set;
 }
 
-WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, const StageConfig& config)
-    : effects(config.effects), shaders(config.shaders), casts_shadows(!config.approximate.no_shadows) {
+bool StageConfig::supports(const SceneBuffers& scene) const {
+    return effects.contains(scene.effects) && (!has_lights(scene.lights) || is_lit || task == PathTask::sum_tiles) &&
+           (shaders.empty() || shaders == scene.shaders);
+}
+
+WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, const StageConfig& with) : config(with) {
     const Device& device = scene.structure.device();
     load(device, kernels_of(device, config), *this);
     for (const KernelRequest& kernel : kernels_of_surfaces(device, config))
@@ -187,8 +191,7 @@ WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, const StageConfig&
                          config.approximate.flat || config.approximate.gouraud);
         return;
     }
-    traces_shadows = config.is_lit;
-    adds_light = traces_shadows && shadow_rays_add_light(device, config);
+    adds_light = config.is_lit && shadow_rays_add_light(device, config);
 }
 
 PathTask path_task_of(const Approximations& approximate) {

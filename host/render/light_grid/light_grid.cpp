@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/render/wavefront.hpp"
+#include "host/render/light_grid/grid_rays.hpp"
 
 namespace claray {
 namespace {
@@ -109,20 +109,20 @@ void LightGridStage::move(Level& level, const glm::vec3& viewer) {
 }
 
 /// Follows the viewer: only what enters a level is filled.
-void LightGridStage::follow(const glm::vec3& viewer, Wavefront& wavefront, SceneBuffers& scene) {
+void LightGridStage::follow(const glm::vec3& viewer, Wavefront& wavefront) {
     const std::uint32_t side = config_.side;
     for (std::uint32_t i = 0; i < levels_.size(); ++i) {
         Level& level = levels_[i];
         const std::optional<Cell> before = level.first;
         move(level, viewer);
-        scene.write_light_grid(i, level.data);
+        wavefront.scene.write_light_grid(i, level.data);
         if (!before) {
-            if (!config_.voxels) wavefront.mark_cells({i, 0, 0, 0, side - 1, side - 1, side - 1});
+            if (!config_.voxels) mark_cells(wavefront, {i, 0, 0, 0, side - 1, side - 1, side - 1});
             continue;
         }
         const Cell now = *level.first, shift{now[0] - (*before)[0], now[1] - (*before)[1], now[2] - (*before)[2]};
         if (!config_.voxels)
-            for (const GridBox& cells : entering(i, side - 1, shift)) wavefront.mark_cells(cells);
+            for (const GridBox& cells : entering(i, side - 1, shift)) mark_cells(wavefront, cells);
         for (const GridBox& probes : entering(i, side, shift))
             for (unsigned round = 0; round < config_.updates; ++round) gather(probes, round, wavefront);
     }
@@ -142,7 +142,7 @@ void LightGridStage::update(Wavefront& wavefront) {
 void LightGridStage::gather(const GridBox& probes, unsigned round, Wavefront& wavefront) {
     const std::uint32_t rays = config_.voxels ? 1 : config_.rays;
     const ProbeRays with{rays, round_++, float(rays * round) / memory};
-    config_.voxels ? wavefront.gather_voxels(probes, with) : wavefront.gather_probes(probes, with);
+    config_.voxels ? gather_voxels(wavefront, probes, with) : gather_probes(wavefront, probes, with);
 }
 
 }  // namespace claray

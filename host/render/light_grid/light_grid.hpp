@@ -12,7 +12,7 @@
 
 namespace claray {
 
-class Wavefront;
+struct Wavefront;
 
 /// The kernels that fill the grid.
 struct LightGridKernels {
@@ -35,7 +35,7 @@ public:
     /// The light of the scene changed, and its surfaces if `surfaces`.
     void scene_changed(bool surfaces);
     /// Brings the grid up to date for a viewer at this place: all at once the first time, later one update per call.
-    void follow(const glm::vec3& viewer, Wavefront& wavefront, SceneBuffers& scene);
+    void follow(const glm::vec3& viewer, Wavefront& wavefront);
 
 private:
     using Cell = std::array<std::int64_t, 3>;
@@ -54,12 +54,6 @@ private:
     unsigned wanted_;
     bool filled_ = false;
     std::uint32_t round_ = 0;  // number of all rounds, for the samples of the rays
-};
-
-/// A round of rays. A probe remembers at most `most_before` earlier rays.
-struct ProbeRays {
-    std::uint32_t per_probe, round;
-    float most_before;
 };
 
 /// Paths that a round traces at once, for any image, so that probes hold the same light for all images.

@@ -6,7 +6,7 @@
 #include "host/bvh/instances_state.hpp"
 #include "host/compute/memory.hpp"
 #include "host/primitives/scene_primitives.hpp"
-#include "host/render/wavefront.hpp"
+#include "host/render/wavefront/queues.hpp"
 
 namespace claray {
 namespace {
