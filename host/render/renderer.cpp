@@ -142,10 +142,10 @@ void Renderer::State::trace(const Batch& batch, InFlight& in_flight) {
 void Renderer::State::save_checkpoint() {
     const Checkpoint checkpoint{sampling.schedule.position(), error.looks, film.sums()};
     try {
-        write_checkpoint(config.checkpoint, checkpoints.identity, checkpoint);
-        checkpoints.error.clear();
+        write_checkpoint(config.checkpoint, outputs.checkpoints.identity, checkpoint);
+        outputs.checkpoints.error.clear();
     } catch (const Error& failure) {
-        checkpoints.error = failure.what();
+        outputs.checkpoints.error = failure.what();
     }
 }
 
@@ -154,7 +154,7 @@ void Renderer::State::refuse_with_checkpoints(const char* what) const {
 }
 
 RayCount Renderer::State::rays(const char* name, std::uint64_t count) const {
-    return {count, std::max(0.0, device.profiler().milliseconds(name) - device_time.of_kernels.at(name))};
+    return {count, std::max(0.0, device.profiler().milliseconds(name) - time.of_kernels.at(name))};
 }
 
 RenderProgress Renderer::render(const std::function<bool(const RenderProgress&)>& progress) {
@@ -200,7 +200,7 @@ void Renderer::restart(std::uint32_t seed, unsigned spp, unsigned max_depth) {
     state.config.seed = seed;
     state.wavefront.frame.seed = seed;
     const unsigned wanted = spp == 0 ? state.config.spp : std::min(spp, state.sampling.most_spp);
-    if (wanted != state.config.spp) state.config.spp = wanted, state.path_kernel.reset();
+    if (wanted != state.config.spp) state.config.spp = wanted, state.kernels.of_paths.reset();
     if (max_depth != 0) state.wavefront.frame.max_depth = std::min(max_depth, state.config.max_depth);
     if (max_depth != 0) state.error.cut_off.reset();
     state.discard_samples();
@@ -208,14 +208,14 @@ void Renderer::restart(std::uint32_t seed, unsigned spp, unsigned max_depth) {
 
 void Renderer::State::extend(unsigned spp) {
     if (config.adaptive) throw Error(claray::ErrorKind::usage, "adaptive sampling cannot be extended", "restart it");
-    config.spp = std::clamp(spp, config.spp, sampling.most_spp), path_kernel.reset();
+    config.spp = std::clamp(spp, config.spp, sampling.most_spp), kernels.of_paths.reset();
     sampling.schedule.extend(config.spp);
     time.begin.reset();
 }
 
 void Renderer::settle() {
     state_->settle();
-    state_->structure.prepare_to_follow();
+    state_->buffers.structure.prepare_to_follow();
 }
 
 void Renderer::State::settle() {
@@ -223,7 +223,7 @@ void Renderer::State::settle() {
     discard_samples();
     sample_all_pixels();
     if (time.first_pixel == 0) first_pixel();
-    if (!own_kernels) take_over();
+    if (!kernels.are_own) take_over();
     use_path_kernel(0);
     for (int i = 0; i < 2; ++i) {  // drivers compile kernels again for the size of their groups
         discard_samples();
@@ -247,20 +247,22 @@ void Renderer::resize(unsigned width, unsigned height) {
     state.look_through(state.source.camera);
     state.film = Film(state.device, state.pixels(), tells_error(state.config), state.config.sample_clamp);
     state.sampling.pace = Pace(state.first_paths(), state.wavefront.queues.capacity);
-    state.path_kernel.reset();
+    state.kernels.of_paths.reset();
     state.error.cut_off.reset();
     state.discard_samples();
 }
 
 bool Renderer::rebuild(const Bvh::Config& config) {
     State& state = *state_;
-    if (state.structure.instanced() || state.structure.parts() || !state.own_kernels) return false;
+    const Structure& structure = state.buffers.structure;
+    if (structure.instanced() || structure.parts() || !state.kernels.are_own) return false;
     state.config.bvh = config;
     state.config.bvh.builder = resolve(config.builder, state.device);
-    state.adopt(state.structure.rebuilt(with_layout(config, state.plan.last.layout)), state.plan.last.effects);
+    const KernelChoice& own = state.kernels.plan.last;
+    state.adopt(structure.rebuilt(with_layout(config, own.layout)), own.effects);
     return true;
 }
 
-const std::string& Renderer::checkpoint_error() const { return state_->checkpoints.error; }
+const std::string& Renderer::checkpoint_error() const { return state_->outputs.checkpoints.error; }
 
 }  // namespace claray

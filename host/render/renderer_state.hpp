@@ -64,6 +64,16 @@ struct CompilerInBackground {
     double waited = 0;           ///< seconds
 };
 
+/// The kernels of a render: those that it begins with, and its own.
+struct RenderKernels {
+    KernelPlan plan;
+    double patience;                                // seconds of rendering before `of_paths` may be compiled
+    bool are_own = false;                           // in use
+    unsigned own_from = 0;                          // samples per pixel that were done when they took over
+    std::optional<PathKernelChoice> of_paths = {};  // once every pixel was sampled
+    CompilerInBackground compiler = {};
+};
+
 /// What is known of the user's scene.
 struct SourceScene {
     SceneShape shape = {};
@@ -82,12 +92,19 @@ struct Sampling {
     std::optional<PathGuide> guide = {};  // of these samples
 };
 
-/// What a program asked for besides the image. Each is made when it is first asked for.
+/// What a render needs to write checkpoints.
+struct Checkpoints {
+    RenderIdentity identity;
+    std::string error;  // of the last one
+};
+
+/// What a program asked for besides the image. Each stage is made when it is first asked for.
 struct RenderOutputs {
     std::optional<ToneMapper> tone_mapper;
     std::optional<AovStage> aovs;
     std::optional<GBufferStage> gbuffer;
     std::optional<DenoisingStage> denoising;
+    Checkpoints checkpoints;
 
     /// Drops those whose kernels trace the scene.
     void drop_views() { aovs.reset(), gbuffer.reset(); }
@@ -107,24 +124,14 @@ struct ErrorEstimates {
 struct RenderTimes {
     using Point = std::chrono::steady_clock::time_point;
     Point set_up;
-    double set_up_processor = 0, device_before = 0;     // processor seconds and device milliseconds at that time
-    double first_pixel = 0, first_pixel_processor = 0;  // seconds from then on
-    std::optional<Point> begin = {};                    // of the samples
-    Point first_begin = {};                             // of all frames
+    double set_up_processor = 0;                                    // processor seconds at that time
+    double first_pixel = 0, first_pixel_processor = 0;              // seconds from then on
+    std::optional<Point> begin = {};                                // of the samples
+    Point first_begin = {};                                         // of all frames
     double call_seconds = std::numeric_limits<double>::infinity();  // that this call of Renderer::render_for may take
     Point call_begin = {};                                          // of that call
-};
-
-/// Device time in milliseconds.
-struct DeviceTimes {
-    double build = 0;                               // of the structure
-    std::map<std::string, double> of_kernels = {};  // before this render
-};
-
-/// What a render needs to write checkpoints.
-struct Checkpoints {
-    RenderIdentity identity;
-    std::string error;  // of the last one
+    double build = 0;                                               // of the structure, in milliseconds of the device
+    std::map<std::string, double> of_kernels = {};                  // before this render, likewise
 };
 
 struct Renderer::State {
@@ -242,22 +249,14 @@ struct Renderer::State {
     RenderConfig config;
     RenderTimes time;
     SourceScene source;
-    KernelPlan plan;
-    unsigned own_kernels_from = 0;
-    bool own_kernels = false;
-    std::optional<PathKernelChoice> path_kernel;  // once every pixel was sampled
-    Structure structure;
-    DeviceTimes device_time;
+    RenderKernels kernels;
     std::optional<LightGridStage> light_grid;
     SceneBuffers buffers;
     Wavefront wavefront;
     Film film;
     RenderOutputs outputs;
     Sampling sampling;
-    Checkpoints checkpoints;
     ErrorEstimates error;
-    double patience = path_kernel_patience(device);  // seconds of rendering before it may be compiled
-    CompilerInBackground compiler;
 };
 
 }  // namespace claray

@@ -62,8 +62,8 @@ RenderStatistics Renderer::statistics() const {
     const State& state = *state_;
     const RayTotals::Sums totals = state.wavefront.totals.sums();
     RenderStatistics statistics;
-    statistics.build_milliseconds = state.device_time.build;
-    statistics.bvh = state.structure.statistics();
+    statistics.build_milliseconds = state.time.build;
+    statistics.bvh = state.buffers.structure.statistics();
     statistics.primitives = std::uint32_t(state.source.shape.primitives);
     statistics.camera = state.rays(trace_camera_name, totals.camera);
     statistics.bounce = state.rays(trace_bounce_name, totals.bounce);
@@ -79,14 +79,14 @@ RenderStatistics Renderer::statistics() const {
     statistics.most_device_bytes = most_bytes_in_use(state.device);
     statistics.first_pixel_seconds = state.time.first_pixel;
     statistics.first_pixel_processor_seconds = state.time.first_pixel_processor;
-    statistics.start = state.plan.start;
-    statistics.own_kernels = state.own_kernels;
-    statistics.own_kernels_from = state.own_kernels_from;
+    statistics.start = state.kernels.plan.start;
+    statistics.own_kernels = state.kernels.are_own;
+    statistics.own_kernels_from = state.kernels.own_from;
     statistics.effects = state.buffers.effects;
     for (const auto& [name, summary] : state.device.profiler().summary())
         if (summary.longest > statistics.longest_milliseconds)
             statistics.longest_milliseconds = summary.longest, statistics.longest_command = name;
-    if (const std::shared_ptr<SceneParts>& parts = state.structure.parts())
+    if (const std::shared_ptr<SceneParts>& parts = state.buffers.structure.parts())
         statistics.parts = unsigned(parts->parts().size()), statistics.bytes_paged = parts->bytes_paged();
     statistics.dropped_samples = state.film.noise().dropped;
     statistics.measuring_seconds = state.error.measuring_seconds;

@@ -68,13 +68,16 @@ unsigned parts_of(const Device& device, const Scene& scene, const RenderConfig& 
     return triangles > 1 ? config.parts : 1;
 }
 
-/// The programs of all kernels are loaded at once.
+/// The programs of all kernels are loaded at once. Adds the device time to `milliseconds`.
 Structure first_structure(const Device& device, const Scene& scene, std::size_t baked, const KernelPlan& plan,
-                          const Bvh::Config& config, unsigned parts) {
+                          const Bvh::Config& config, unsigned parts, double& milliseconds) {
     load(device, plan.first.programs);
+    milliseconds -= kernel_milliseconds(device);
     const bool by_host =
         plan.start == KernelStart::quick && plan.first.layout == Layout::binary && host_builds(device, scene);
-    return {device, scene, baked, with_layout(config, plan.first.layout), by_host, parts};
+    Structure structure(device, scene, baked, with_layout(config, plan.first.layout), by_host, parts);
+    milliseconds += kernel_milliseconds(device);
+    return structure;
 }
 
 }  // namespace
@@ -101,32 +104,33 @@ Bvh::Config with_layout(Bvh::Config config, Layout layout) {
 Renderer::State::State(const Device& on, const Scene& scene, const RenderConfig& with, std::size_t baked) try
     : device(on),
       config(with_builder(checked(with), on, scene)),
-      time{.set_up = Clock::now(), .set_up_processor = processor_seconds(), .device_before = kernel_milliseconds(on)},
+      time{.set_up = Clock::now(), .set_up_processor = processor_seconds()},
       source{.camera = camera_of(scene, aspect_of(with)), .parts = parts_of(on, checked(scene), config)},
-      plan(plan_for(on, scene, config, source.parts)),
-      structure(first_structure(on, scene, baked, plan, config.bvh, source.parts)),
-      device_time{.build = kernel_milliseconds(on) - time.device_before},
+      kernels{.plan = plan_for(on, scene, config, source.parts), .patience = path_kernel_patience(on)},
       light_grid(light_grid_of(with, scene)),
-      buffers(on, scene, structure, config.effects.add, selection_of_lights(with), words_of(light_grid),
-              words_of_listed_pixels(), words_of_guide()),
-      wavefront(buffers, frame_data(scene, source.camera, buffers, with), load_kernels(plan.first.effects),
+      buffers(on, scene, first_structure(on, scene, baked, kernels.plan, config.bvh, source.parts, time.build),
+              config.effects.add, selection_of_lights(with), words_of(light_grid), words_of_listed_pixels(),
+              words_of_guide()),
+      wavefront(buffers, frame_data(scene, source.camera, buffers, with), load_kernels(kernels.plan.first.effects),
                 std::uint64_t(pixels()) * with.spp),
       film(on, pixels(), tells_error(with), with.sample_clamp),
       sampling{
           .schedule = new_schedule(), .pace = Pace(first_paths(), wavefront.queues.capacity), .most_spp = with.spp} {
     for (const char* name : {trace_camera_name, trace_bounce_name, trace_shadow_name, trace_paths_name})
-        device_time.of_kernels[name] = device.profiler().milliseconds(name);
+        time.of_kernels[name] = device.profiler().milliseconds(name);
     forget_slow_programs(on);
 } catch (...) {
     forget_slow_programs(on);
 }
 
-bool Renderer::State::parts_take_turns() const { return structure.parts() && structure.parts()->take_turns(); }
+bool Renderer::State::parts_take_turns() const {
+    return buffers.structure.parts() && buffers.structure.parts()->take_turns();
+}
 
 std::uint32_t Renderer::State::first_paths() const {
     if (parts_take_turns()) return wavefront.queues.capacity;
     const std::uint32_t tuned = device.tuning("render/wavefront", "FIRST_PATHS");
-    return plan.start == KernelStart::quick ? std::min(tuned, quick_first_paths) : tuned;
+    return kernels.plan.start == KernelStart::quick ? std::min(tuned, quick_first_paths) : tuned;
 }
 
 Renderer::Renderer(const Device& device, const Scene& scene, const RenderConfig& config) {
@@ -153,7 +157,7 @@ Renderer::Renderer(const Device& device, const Scene& scene, const RenderConfig&
     state_ =
         config.effects.remove.empty() ? made_for(separate) : made_for(without_effects(separate, config.effects.remove));
     state_->set_bounds(scene, true);
-    state_->checkpoints.identity = identity;
+    state_->outputs.checkpoints.identity = identity;
     if (!from) return;
     if (!state_->sampling.schedule.go_to(from->position))
         throw Error(ErrorKind::user,

@@ -41,8 +41,8 @@ RenderProgress Renderer::State::measure() {
     progress.noise = noise.relative * noise_over_halves();
     progress.error = error.last.estimate, progress.error_bound = error.last.bound;
     progress.error_spp = error.spp, progress.cut_off = error.cut_off.value_or(0);
-    progress.own_kernels = own_kernels;
-    progress.waits_for_kernels = compiler.is_waited_for;
+    progress.own_kernels = kernels.are_own;
+    progress.waits_for_kernels = kernels.compiler.is_waited_for;
     progress.dropped_samples = noise.dropped;
     progress.culled = source.culled;
     progress.seconds = time.begin ? seconds_since(*time.begin) : 0;

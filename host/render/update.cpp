@@ -83,12 +83,13 @@ SceneShape::SceneShape(const Scene& scene, const Scene& placed, std::vector<Inst
 /// Keeps the kernels in use if they support the scene. Others are compiled in the background if that is possible.
 void Renderer::State::support_scene() {
     if (wavefront.kernels.config.supports(buffers)) return;
-    plan = plan_kernels(device, traits(buffers.effects), config);
-    own_kernels = plan.first == plan.last;
-    compiler = {};
-    const Layout layout = plan.first.layout;
-    const bool same_tree = structure.instanced() || structure.parts() || structure.bvh().layout() == layout;
-    adopt(same_tree ? structure : structure.rebuilt(with_layout(config.bvh, layout)), plan.first.effects);
+    kernels.plan = plan_kernels(device, traits(buffers.effects), config);
+    kernels.are_own = kernels.plan.first == kernels.plan.last;
+    kernels.compiler = {};
+    const KernelChoice& first = kernels.plan.first;
+    const Structure& structure = buffers.structure;
+    const bool same_tree = structure.instanced() || structure.parts() || structure.bvh().layout() == first.layout;
+    adopt(same_tree ? structure : structure.rebuilt(with_layout(config.bvh, first.layout)), first.effects);
 }
 
 /// Places the scene, its buffers and trees anew.
@@ -98,17 +99,17 @@ void Renderer::State::rebuild_scene(const Scene& scene) {
         placed.scene = scene;
     else
         placed = place_instances(scene);
-    structure =
-        Structure(device, placed.scene, placed.baked, with_layout(config.bvh, plan.last.layout), false, source.parts);
+    const Structure structure(device, placed.scene, placed.baked, with_layout(config.bvh, kernels.plan.last.layout),
+                              false, source.parts);
     light_grid = light_grid_of(config, placed.scene);
     buffers = SceneBuffers(device, placed.scene, structure, config.effects.add, selection_of_lights(config),
                            words_of(light_grid), words_of_listed_pixels(), words_of_guide());
     set_bounds(scene, true);
     source.shape = SceneShape(scene, placed.scene, std::move(placed.places), std::move(placed.numbers));
     wavefront.replace_scene(buffers);
-    plan = plan_kernels(device, traits(buffers.effects), config);
-    own_kernels = true;
-    adopt(structure, plan.last.effects);
+    kernels.plan = plan_kernels(device, traits(buffers.effects), config);
+    kernels.are_own = true;
+    adopt(structure, kernels.plan.last.effects);
 }
 
 /// For one tree. Returns false if more than vertices must change.
@@ -130,10 +131,10 @@ bool Renderer::State::move_vertices(const Scene& scene, bool all) {
         if (!add(scene.meshes[now.mesh], now.transform, place.index)) return false;
     }
     for (const auto& [mesh, first] : moved) {
-        structure.move_vertices(first, mesh.positions);
+        buffers.structure.move_vertices(first, mesh.positions);
         buffers.move_normals(first, mesh.normals);
     }
-    structure.follow_vertices();
+    buffers.structure.follow_vertices();
     return true;
 }
 
@@ -144,15 +145,16 @@ bool Renderer::State::move_instances(const Scene& scene) {
         const MeshInstance &now = scene.instances[i], &before = source.shape.instances[i];
         const InstancePlace place = source.shape.places[i];
         if (same(now, before) || place.index == CLARAY_MISS) continue;
-        if (place.baked || now.mesh != before.mesh || (moves(now) && !structure.moves())) return false;
+        if (place.baked || now.mesh != before.mesh || (moves(now) && !buffers.structure.moves())) return false;
         moved.emplace_back(place.index, now);
     }
-    if (!moved.empty()) structure.move_instances(moved);
+    if (!moved.empty()) buffers.structure.move_instances(moved);
     return true;
 }
 
 void Renderer::State::move(const Scene& scene, const SceneChanges& changes) {
     const bool shines = buffers.lights.triangles > 0;
+    const Structure& structure = buffers.structure;
     const bool moved =
         !structure.parts() && (structure.instanced() ? !changes.vertices && !shines && move_instances(scene)
                                                      : move_vertices(scene, changes.vertices));

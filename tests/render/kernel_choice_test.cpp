@@ -368,7 +368,7 @@ TEST_F(BackgroundCompiler, IsToldEveryProgramOfTheRender) {
     config.bvh.max_leaf_triangles = 1, config.bvh.split_budget = 0;
     config.compiler = script_;
     Renderer renderer(device(), *builtin_scene("cornell"), config);
-    const KernelPlan plan = state_of(renderer).plan;
+    const KernelPlan plan = state_of(renderer).kernels.plan;
     if (plan.start == KernelStart::own) GTEST_SKIP() << "no kernels are quicker to compile";
     renderer.render([](const RenderProgress&) { return false; });
     ASSERT_TRUE(becomes_true([&] { return std::filesystem::exists(input_); }));
@@ -453,7 +453,7 @@ TEST(KernelSets, AreWhatARenderLoadsWhateverItsConfiguration) {
         config.compiler.clear();
         Renderer renderer(on, scene, config);
         const Renderer::State& state = state_of(renderer);
-        EXPECT_EQ(state.plan.last, choice) << name;
+        EXPECT_EQ(state.kernels.plan.last, choice) << name;
         EXPECT_TRUE(stages_for(on, traits, config, choice.effects, choice.layout) == state.stages(choice.effects))
             << name;
         renderer.render();

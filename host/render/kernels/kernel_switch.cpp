@@ -22,7 +22,7 @@ constexpr std::size_t most_effects_to_optimize = 16;  // in quick kernels: PoCL 
 WavefrontKernels Renderer::State::load_kernels(EffectSet effects) const {
     const StageConfig config_of_stages = stages(effects);
     const KernelSet set = programs_of_stages(device, config_of_stages);
-    if (!own_kernels && plan.start == KernelStart::quick)
+    if (!kernels.are_own && kernels.plan.start == KernelStart::quick)
         load_jointly(device, set, number_of(effects) <= most_effects_to_optimize);
     else
         load(device, set);
@@ -32,8 +32,8 @@ WavefrontKernels Renderer::State::load_kernels(EffectSet effects) const {
 SceneTraits Renderer::State::traits(EffectSet effects) const {
     return {.effects = effects,
             .culls_back_faces = buffers.textures.culls_back_faces,
-            .primitives = structure.format().primitives,
-            .is_split = structure.parts() != nullptr,
+            .primitives = buffers.structure.format().primitives,
+            .is_split = buffers.structure.parts() != nullptr,
             .shaders = buffers.shaders};
 }
 
@@ -42,23 +42,24 @@ void Renderer::State::first_pixel() {
     device.finish();
     time.first_pixel = seconds_since(time.set_up);
     time.first_pixel_processor = processor_seconds() - time.set_up_processor;
-    source.culled = structure.culled();
-    own_kernels = plan.first == plan.last;
-    if (!own_kernels) ask_for_compiler();
+    source.culled = buffers.structure.culled();
+    kernels.are_own = kernels.plan.first == kernels.plan.last;
+    if (!kernels.are_own) ask_for_compiler();
 }
 
 void Renderer::State::ask_for_compiler() {
     KernelSet later;
     later.add(device, area_sum);
     later.add(generic_kernels(device, {.effects = full_effects()}, config).programs);
-    compiler.is_asked = start_compiler(config.compiler, device, plan.last.programs, later);
-    compiler.last_asked = Clock::now();
+    kernels.compiler.is_asked = start_compiler(config.compiler, device, kernels.plan.last.programs, later);
+    kernels.compiler.last_asked = Clock::now();
 }
 
 /// Between two batches, so that no path uses two kinds of kernels, although the image would be the same.
 void Renderer::State::take_over_when_compiled() {
-    if (!are_cached(device, plan.last.programs)) {
-        if (!compiler.is_asked && seconds_since(compiler.last_asked) >= seconds_between_asking) ask_for_compiler();
+    if (!are_cached(device, kernels.plan.last.programs)) {
+        if (!kernels.compiler.is_asked && seconds_since(kernels.compiler.last_asked) >= seconds_between_asking)
+            ask_for_compiler();
         return;
     }
     take_over();
@@ -71,55 +72,59 @@ void Renderer::State::take_over_when_compiled() {
 /// more of the processor's time. Whatever happens to the compiler, waiting at most doubles the time.
 bool Renderer::State::better_waits_for_kernels() {
     constexpr double compiling_over_first_pixel = 5, seconds_to_tell = 1;  // the first batches vary
-    compiler.is_waited_for = false;
-    if (own_kernels || spp() == 0 || plan.start != KernelStart::quick || device.info().type != DeviceType::cpu)
+    kernels.compiler.is_waited_for = false;
+    if (kernels.are_own || spp() == 0 || kernels.plan.start != KernelStart::quick ||
+        device.info().type != DeviceType::cpu)
         return false;
-    if (!compiler.is_asked || !is_compiling()) return false;  // another render's compiles, or it has failed
+    if (!kernels.compiler.is_asked || !is_compiling()) return false;  // another render's compiles, or it has failed
     const std::uint64_t paths_left = std::uint64_t(pixels()) * (config.spp - spp());
     const double left = std::min(seconds_left(), 1e-3 * sampling.pace.milliseconds_of(paths_left));
-    const double sampled_for = seconds_since(time.set_up) - time.first_pixel - compiler.waited;
+    const double sampled_for = seconds_since(time.set_up) - time.first_pixel - kernels.compiler.waited;
     const double used = processor_seconds() - time.set_up_processor - time.first_pixel_processor;
     const double of_processor = left * std::min(1.0, used / std::max(sampled_for, 1e-3));
-    compiler.is_waited_for = sampled_for > seconds_to_tell && compiler.waited < left &&
-                             of_processor > compiling_over_first_pixel * time.first_pixel_processor;
-    return compiler.is_waited_for;
+    kernels.compiler.is_waited_for = sampled_for > seconds_to_tell && kernels.compiler.waited < left &&
+                                     of_processor > compiling_over_first_pixel * time.first_pixel_processor;
+    return kernels.compiler.is_waited_for;
 }
 
 void Renderer::State::wait_for_kernels(InFlight& in_flight) {
     in_flight.pause();
     const Clock::time_point begin = Clock::now();
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    compiler.waited += seconds_since(begin);
+    kernels.compiler.waited += seconds_since(begin);
 }
 
 void Renderer::State::take_over() {
-    own_kernels = true;
-    compiler.is_waited_for = false;
-    own_kernels_from = spp();
-    const bool rebuilds = plan.last.layout != plan.first.layout;
-    adopt(rebuilds ? structure.rebuilt(with_layout(config.bvh, plan.last.layout)) : structure, plan.last.effects);
+    kernels.are_own = true;
+    kernels.compiler.is_waited_for = false;
+    kernels.own_from = spp();
+    const KernelChoice& own = kernels.plan.last;
+    const bool rebuilds = own.layout != kernels.plan.first.layout;
+    const Structure& structure = buffers.structure;
+    adopt(rebuilds ? structure.rebuilt(with_layout(config.bvh, own.layout)) : structure, own.effects);
 }
 
 void Renderer::State::choose_kernels(bool sampled) {
     if (time.first_pixel == 0) first_pixel();
-    if (!own_kernels) take_over_when_compiled();
-    if (own_kernels && sampled) use_path_kernel(patience);
+    if (!kernels.are_own) take_over_when_compiled();
+    if (kernels.are_own && sampled) use_path_kernel(kernels.patience);
 }
 
 /// The largest pass, half of the samples, takes most of the time.
 bool Renderer::State::may_follow_paths() const {
     const std::uint64_t largest_pass = std::uint64_t(pixels()) * std::max(1u, config.spp / 2);
     return wavefront.path_kernels.is_small(std::min<std::uint64_t>(largest_pass, wavefront.queues.capacity)) &&
-           claray::may_follow_paths(buffers, plan.last.effects);
+           claray::may_follow_paths(buffers, kernels.plan.last.effects);
 }
 
 PathKernelChoice Renderer::State::choose_path_kernel() const {
     const Approximations& a = config.approximate;
     const bool follows = may_follow_paths() && paths_are_short(device, wavefront.totals.sums());
     if (a.tile_sum || a.flat || a.gouraud || a.no_shadows) return {};
-    if (!follows && !may_finish_paths(buffers, plan.last.effects)) return {};
+    if (!follows && !may_finish_paths(buffers, kernels.plan.last.effects)) return {};
     PathKernelChoice choice;
-    choice.kernel = kernel_of_paths(device, stages(plan.last.effects), follows ? trace_paths_name : finish_paths_name);
+    choice.kernel =
+        kernel_of_paths(device, stages(kernels.plan.last.effects), follows ? trace_paths_name : finish_paths_name);
     choice.program.add(device, choice.kernel);
     choice.is_cached = are_cached(device, choice.program);
     return choice;
@@ -135,21 +140,20 @@ void Renderer::State::use_path_kernel(double patience) {
 /// Decides once, when every pixel was sampled by the scene's own kernels, whether one kernel traces whole paths from
 /// then on, or the last ones of each batch.
 void Renderer::State::adopt_path_kernel(bool may_compile) {
-    if (path_kernel && path_kernel->is_loaded) return;
-    if (!path_kernel) path_kernel = choose_path_kernel();
-    if (!path_kernel->is_cached && !may_compile) return;
-    path_kernel->is_loaded = true;
-    if (path_kernel->program.programs().empty()) return;
-    load(device, path_kernel->program);
-    wavefront.path_kernels.add(load_kernel(device, path_kernel->kernel));
+    if (kernels.of_paths && kernels.of_paths->is_loaded) return;
+    if (!kernels.of_paths) kernels.of_paths = choose_path_kernel();
+    if (!kernels.of_paths->is_cached && !may_compile) return;
+    kernels.of_paths->is_loaded = true;
+    if (kernels.of_paths->program.programs().empty()) return;
+    load(device, kernels.of_paths->program);
+    wavefront.path_kernels.add(load_kernel(device, kernels.of_paths->kernel));
 }
 
 void Renderer::State::adopt(const Structure& other, EffectSet effects) {
-    structure = other;
-    structure.set_cutouts(buffers.textures.cutouts());
-    buffers.structure = structure;
-    wavefront.take_over(structure, load_kernels(effects));
-    path_kernel.reset();
+    buffers.structure = other;
+    buffers.structure.set_cutouts(buffers.textures.cutouts());
+    wavefront.take_over(buffers.structure, load_kernels(effects));
+    kernels.of_paths.reset();
     outputs.drop_views();
     if (outputs.denoising) outputs.denoising->drop_guides();
     film.reload_kernels();
@@ -159,8 +163,8 @@ void Renderer::State::adopt(const Structure& other, EffectSet effects) {
 void Renderer::load_kernels() {
     State& state = *state_;
     if (state.time.first_pixel == 0 || state.spp() == 0) return;
-    if (!state.own_kernels) state.take_over_when_compiled();
-    if (!state.own_kernels) return;
+    if (!state.kernels.are_own) state.take_over_when_compiled();
+    if (!state.kernels.are_own) return;
     state.adopt_path_kernel(true);
     state.warm_up();
 }
