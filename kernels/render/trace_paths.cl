@@ -1,7 +1,8 @@
 // The path tracer in one kernel: a work-item follows its path from the camera to the end. This is faster if paths do similar work:
 // in scenes with few effects that paths leave soon (Laine, Karras and Aila 2013, "Megakernels considered harmful", explain why
 // not in others).
-#define FROM_CAMERA 1
+/// The state at the camera of this work-item's path.
+#define FIRST_STATE first_state(step->batch, TABLE(uint, listed_pixels), get_global_id(0))
 #include "render/follow_path.clh"
 
 /// Traces all paths of a batch, with at most `step.depth` rays each, and writes their radiance.
