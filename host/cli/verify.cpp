@@ -293,7 +293,7 @@ void add_verify_command(CLI::App& app, Action& action) {
         "  claray verify --compare --scene hair:50000 --scene sponza.obj");
     auto o = std::make_shared<VerifyCommandOptions>();
     command->add_flag("--quick", o->quick, "Half a minute if the kernels are cached, otherwise minutes (default)");
-    command->add_flag("--full", o->full, "Run the full number of trials: minutes");
+    command->add_flag("--full", o->full, "Run the full number of trials: minutes on a GPU, hours on a few CPU cores");
     command->add_option("--case", o->cases, "Run only this case; may be repeated")->allow_extra_args(false);
     command->add_flag("--list", o->list, "Print the cases");
     command->add_flag("--compare", o->compare,

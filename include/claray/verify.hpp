@@ -13,7 +13,7 @@ namespace claray {
 
 enum class Effort {
     quick,  ///< seconds in total
-    full    ///< with the full number of trials: minutes
+    full    ///< with the full number of trials: minutes on a GPU, hours on a few CPU cores
 };
 
 /// A case that is known to break ray tracers.
