@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -52,6 +53,27 @@ void print_result(const VerifyResult& result) {
     std::fflush(stdout);
 }
 
+/// The cases that run each kernel.
+std::map<std::string, std::string> cases_by_kernel(const std::vector<VerifyResult>& results) {
+    std::map<std::string, std::string> cases;
+    for (const std::string& kernel : kernel_names()) cases[kernel];
+    for (const VerifyResult& result : results)
+        for (const std::string& kernel : result.kernels)
+            cases[kernel] += (cases[kernel].empty() ? "" : " ") + result.name;
+    return cases;
+}
+
+void print_kernels(const std::vector<VerifyResult>& results) {
+    std::vector<Row> rows = {{"kernel", "cases"}};
+    std::size_t run = 0;
+    for (const auto& [kernel, cases] : cases_by_kernel(results)) {
+        rows.push_back({kernel, cases.empty() ? "none" : cases});
+        run += !cases.empty();
+    }
+    print_table(rows);
+    std::printf("%zu of %zu kernels are run by a case\n", run, rows.size() - 1);
+}
+
 nlohmann::ordered_json as_json(const VerifyResult& result) {
     nlohmann::ordered_json checks = nlohmann::ordered_json::array(), facts = nlohmann::ordered_json::object();
     for (const VerifyCheck& c : result.checks)
@@ -63,9 +85,9 @@ nlohmann::ordered_json as_json(const VerifyResult& result) {
                           {"time", c.time},
                           {"holds", c.holds()}});
     for (const auto& [name, value] : result.facts) facts[name] = value;
-    return {{"case", result.name}, {"holds", result.holds()},    {"seconds", result.seconds},
-            {"seed", result.seed}, {"command", result.command},  {"checks", checks},
-            {"facts", facts},      {"failures", result.failures}};
+    return {{"case", result.name}, {"holds", result.holds()},     {"seconds", result.seconds},
+            {"seed", result.seed}, {"command", result.command},   {"checks", checks},
+            {"facts", facts},      {"failures", result.failures}, {"kernels", result.kernels}};
 }
 
 std::string json_of(const Device& device, const VerifyCommandOptions& options, const std::vector<VerifyResult>& results,
@@ -253,6 +275,7 @@ void verify(const VerifyCommandOptions& options) {
         if (!json_to_output) print_result(result);
     });
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    if (how.kernels && !json_to_output) print_kernels(results);
     const std::string json = json_of(device, options, results, seconds);
     Writes writes;
     if (json_to_output)
@@ -296,6 +319,7 @@ void add_verify_command(CLI::App& app, Action& action) {
     command->add_flag("--full", o->full, "Run the full number of trials: minutes on a GPU, hours on a few CPU cores");
     command->add_option("--case", o->cases, "Run only this case; may be repeated")->allow_extra_args(false);
     command->add_flag("--list", o->list, "Print the cases");
+    command->add_flag("--kernels", o->verify.kernels, "Print which cases run each kernel, and which kernels none runs");
     command->add_flag("--compare", o->compare,
                       "Compare each remedy with the textbook's version: failures (of --case, if given) and times");
     command->add_option("--scene", o->scenes, "Scenes and files for comparing times [the built-in ones]")
@@ -314,11 +338,12 @@ void add_verify_command(CLI::App& app, Action& action) {
         refuse_both(*command, "--quick", {"--full"}, "choose one");
         refuse_without(*command, "--scene", "--compare");
         refuse_without(*command, "--rounds", "--compare");
-        refuse_both(*command, "--compare", {"--html", "--no-times"}, "--compare prints failures and times");
-        refuse_both(
-            *command, "--list",
-            {"--quick", "--full", "--case", "--compare", "--seed", "--no-times", "--json", "--html", "--device"},
-            "--list runs no case");
+        refuse_both(*command, "--compare", {"--html", "--no-times", "--kernels"},
+                    "--compare prints failures and times");
+        refuse_both(*command, "--list",
+                    {"--quick", "--full", "--case", "--compare", "--kernels", "--seed", "--no-times", "--json",
+                     "--html", "--device"},
+                    "--list runs no case");
         action = [o] { verify(*o); };
     });
 }

@@ -1,5 +1,7 @@
 #include "host/verify/run.hpp"
 
+#include "host/verify/kernels_run.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -9,7 +11,10 @@
 namespace claray::verify {
 
 void Run::side_by_side(std::size_t count, const std::function<void(const Device&, std::size_t)>& piece) const {
-    claray::side_by_side(device_, more_, options_.threads, count, piece);
+    claray::side_by_side(device_, more_, options_.threads, count, [&](const Device& on, std::size_t i) {
+        const KernelsRun kernels(on, options_.kernels, result_.kernels);
+        piece(on, i);
+    });
 }
 
 void Run::check(const std::string& what, std::uint64_t tried, double worst, double bar, const std::string& unit) {

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "host/verify/cases/cases.hpp"
+#include "host/verify/kernels_run.hpp"
 #include "host/verify/run.hpp"
 
 namespace claray {
@@ -67,7 +68,8 @@ const std::vector<Entry> entries = {
     {{"bsdf-sampling", "materials", "Sampled directions follow the stated density: chi-squared"}, bsdf_sampling},
     {{"shading-normals", "materials", "Shading normals face the viewer and reflect away from the surface"},
      shading_normals},
-    {{"nested-media", "images", "Light in bodies that touch, overlap or enclose others, against float64"}, nested_media},
+    {{"nested-media", "images", "Light in bodies that touch, overlap or enclose others, against float64"},
+     nested_media},
     {{"self-intersection", "images", "Rays that leave a surface do not hit it at any scale, and begin close to it"},
      self_intersection},
     {{"nan-pixels", "images",
@@ -115,7 +117,10 @@ VerifyResult run_case(const Device& device, Devices& more, const std::string& na
                      "'";
     const auto begin = std::chrono::steady_clock::now();
     verify::Run run(device, more, options, result);
-    entry.run(run);
+    {
+        const KernelsRun kernels(device, options.kernels, result.kernels);
+        entry.run(run);
+    }
     device.finish();
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return result;

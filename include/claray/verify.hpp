@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -52,7 +53,8 @@ struct VerifyResult {
     std::vector<VerifyPicture> pictures;                     ///< drawings of failures
     double seconds = 0;
     std::uint64_t seed = 0;
-    std::string command;  ///< command line that repeats this case in the same way
+    std::string command;                 ///< command line that repeats this case in the same way
+    std::set<std::string> kernels = {};  ///< names of the kernels that ran, if VerifyOptions::kernels
     [[nodiscard]] bool holds() const;
 };
 
@@ -60,11 +62,15 @@ struct VerifyOptions {
     Effort effort = Effort::quick;
     std::uint64_t seed = 1;  ///< seed of all random rays and meshes
     bool times = true;       ///< also check ratios of times
+    bool kernels = false;    ///< also tell which kernels run; keeps a record of each command
     unsigned threads = 0;    ///< cases that run at once; 0: on a GPU the number of processors, but at most 5, else 1
 };
 
 /// Returns all cases.
 [[nodiscard]] const std::vector<VerifyCase>& verify_cases();
+
+/// Returns the names of all kernels of claray, in alphabetical order.
+[[nodiscard]] std::set<std::string> kernel_names();
 
 /// Throws ErrorKind::usage, listing the existing cases, if one of the names is unknown.
 void check_verify_cases(std::span<const std::string> names);

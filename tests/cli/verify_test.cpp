@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "claray/verify.hpp"
 #include "tests/cli/claray.hpp"
@@ -24,6 +25,21 @@ TEST(VerifyCommand, TellsWhatHolds) {
     ASSERT_EQ(report.at("cases").size(), 2u);
     EXPECT_EQ(report.at("cases")[0].at("case"), "approximations");
     EXPECT_EQ(report.at("cases")[0].at("checks")[0].at("tried"), 100'000);
+}
+
+TEST(VerifyCommand, TellsWhichKernelsTheCasesRun) {
+    const std::set<std::string> kernels = kernel_names();
+    for (const char* name : {"trace_paths", "closest_hit", "shade_surface", "sort_digit"})
+        EXPECT_TRUE(kernels.contains(name)) << name;
+    const ProcessResult result = run_claray({"verify", "--case", "sort", "--kernels", "--no-times"});
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    const auto line_of = [&](const std::string& kernel) {
+        const std::size_t begin = result.output.find('\n' + kernel + ' ') + 1;
+        return result.output.substr(begin, result.output.find('\n', begin) - begin);
+    };
+    EXPECT_TRUE(line_of("trace_paths").ends_with(" none")) << line_of("trace_paths");
+    EXPECT_NE(result.output.find(" sort\n"), std::string::npos) << result.output;
+    EXPECT_NE(result.output.find(" of " + std::to_string(kernels.size()) + " kernels are run"), std::string::npos);
 }
 
 /// Moeller and Trumbore's test in place of the shipped one must be noticed, named, drawn, and repeated by the command
