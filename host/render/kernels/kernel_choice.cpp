@@ -68,7 +68,8 @@ StageConfig stages_for(const Device& device, const SceneTraits& scene, const Ren
 }
 
 KernelChoice scene_kernels(const Device& device, const SceneTraits& scene, const RenderConfig& config) {
-    return choice_of(device, scene, config, (scene.effects | config.effects.add) - (config.effects.remove & effects_with(CLARAY_AID)));
+    return choice_of(device, scene, config,
+                     (scene.effects | config.effects.add) - (config.effects.remove & effects_with(CLARAY_AID)));
 }
 
 KernelChoice generic_kernels(const Device& device, const SceneTraits& scene, const RenderConfig& config) {

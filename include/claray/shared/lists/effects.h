@@ -1,5 +1,5 @@
-// The list of all effects of a scene. The host's effects, their names and the kernels' macros are made from it, and in kernels the
-// conditions under which sixteen rays are worked on at once (docs/architecture.md).
+// The list of all effects of a scene. The host's effects, their names and the kernels' macros are made from it, and in
+// kernels the conditions under which sixteen rays are worked on at once (docs/architecture.md).
 #ifndef CLARAY_SHARED_LISTS_EFFECTS_H
 #define CLARAY_SHARED_LISTS_EFFECTS_H
 
@@ -17,13 +17,13 @@
 #define CLARAY_OF_BSDF 1  // only the BSDFs of single materials need it
 #define CLARAY_SAMPLED 2  // a light that shadow rays find
 #define CLARAY_EMITS 4    // the end of a path may meet its light
-#define CLARAY_AID 8      // it changes the noise of an image but not its limit: removing it changes no part of the scene
+#define CLARAY_AID 8      // it changes the noise of an image but not its limit; no part of the scene needs it
 
 // A row is X(name, "name for users", MACRO, bit, stages, lanes, traits):
 //   name    Effect::name
 //   MACRO   the kernels' macro; `bit`: the effect's bit in its value
-//   stages  whose kernels get the macro (host/effects/effects.hpp). Kernels that are compiled for no scene have code for all effects. none: the
-//           structure that is traced brings the macro
+//   stages  whose kernels get the macro (host/effects/effects.hpp). Kernels that are compiled for no scene have code
+//           for all effects. none: the structure that is traced brings the macro
 //   lanes   CLARAY_LANES_...
 //   traits  CLARAY_OF_BSDF, ...; 0: none
 // BSDF, LIGHT and PROJECTION take the rows of bsdfs.h, lights.h and projections.h. Texts name effects in this order.
