@@ -1,20 +1,30 @@
 #include "host/verify/kernels_run.hpp"
 
+#include <mutex>
 #include <regex>
 
 #include "host/compute/programs/kernel_sources.hpp"
 
 namespace claray {
 
-std::set<std::string> kernel_names() {
+namespace {
+
+std::set<std::string> declared_kernels() {
     // "kernel", attributes and macros, "void", and the name; not in a comment.
-    static const std::regex declaration(R"((?:^|\n)(?:__)?kernel\b[^;{/]*?\bvoid\s+(\w+)\s*\()");
+    const std::regex declaration(R"((?:^|\n)(?:__)?kernel\b[^;{/]*?\bvoid\s+(\w+)\s*\()");
     std::set<std::string> names;
     for (const KernelSource& source : kernel_sources()) {
         const std::sregex_iterator end;
         for (std::sregex_iterator at(source.text.begin(), source.text.end(), declaration); at != end; ++at)
             names.insert((*at)[1]);
     }
+    return names;
+}
+
+}  // namespace
+
+std::set<std::string> kernel_names() {
+    static const std::set<std::string> names = declared_kernels();  // each case asks for them
     return names;
 }
 

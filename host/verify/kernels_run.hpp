@@ -1,8 +1,6 @@
 // Which kernels the cases run: a kernel that no case runs is not verified.
 #pragma once
 
-#include <mutex>
-
 #include "claray/verify.hpp"
 
 namespace claray::verify {

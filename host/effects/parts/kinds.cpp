@@ -61,7 +61,10 @@ bool needs_thin_walls(const Material& m) {
     return is_of_kind<Effect::thin_walls>(m) || (is_principled(m) && has_thin_walls(m));
 }
 
-void strip_metal(Material& m) { is_of_kind<Effect::metal>(m) ? make_lambert(m) : void(m.metallic = 0.f); }
+void strip_metal(Material& m) {
+    if (is_of_kind<Effect::metal>(m)) make_lambert(m);
+    m.metallic = 0.f;
+}
 void strip_thin_walls(Material& m) {
     if (is_of_kind<Effect::thin_walls>(m)) make_lambert(m);
     m.transmission = 0.f, m.transmission_map = {};
