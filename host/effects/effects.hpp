@@ -22,9 +22,6 @@ enum class Stage : unsigned {
 [[nodiscard]] std::size_t number_of(EffectSet effects);
 /// All macros of a stage; 0 if the effect is not in the set.
 [[nodiscard]] Defines defines_of(EffectSet effects, Stage stage);
-/// The effect of a material's kind, without its other effects.
-[[nodiscard]] Effect effect_of(MaterialKind kind);
-[[nodiscard]] Effect effect_of(const Material& material);
 /// The effects for which that stage's kernels contain code.
 [[nodiscard]] EffectSet of_stage(EffectSet effects, Stage stage);
 /// Whether code that works on sixteen rays at once (CLARAY_LANES_... of claray/shared/lists/effects.h) may run in

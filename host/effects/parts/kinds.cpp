@@ -2,11 +2,25 @@
 #include <array>
 
 #include "host/bsdf/material_data.hpp"
-#include "host/effects/effects.hpp"
 #include "host/effects/parts/part.hpp"
 
 namespace claray {
 namespace {
+
+/// The effect of a material's kind, without its other effects.
+Effect effect_of(MaterialKind kind) {
+    switch (kind) {
+#define CLARAY_ROW(name, NAME, text, transmits, lobes, rough) \
+    case MaterialKind::name: return Effect::name;
+        CLARAY_MATERIAL_KINDS(CLARAY_ROW) CLARAY_CUSTOM_KINDS(CLARAY_ROW)
+#undef CLARAY_ROW
+    }
+    return Effect::lambert;
+}
+
+Effect effect_of(const Material& m) {
+    return m.kind == MaterialKind::glass && m.thin_walled ? Effect::thin_walls : effect_of(kind_of(m));
+}
 
 template <Effect kind>
 bool is_of_kind(const Material& m) {
@@ -94,19 +108,5 @@ constexpr std::array kind_parts = {
 }  // namespace
 
 std::span<const EffectPart> parts_of_kinds() { return kind_parts; }
-
-Effect effect_of(MaterialKind kind) {
-    switch (kind) {
-#define CLARAY_ROW(name, NAME, text, transmits, lobes, rough) \
-    case MaterialKind::name: return Effect::name;
-        CLARAY_MATERIAL_KINDS(CLARAY_ROW) CLARAY_CUSTOM_KINDS(CLARAY_ROW)
-#undef CLARAY_ROW
-    }
-    return Effect::lambert;
-}
-
-Effect effect_of(const Material& m) {
-    return m.kind == MaterialKind::glass && m.thin_walled ? Effect::thin_walls : effect_of(kind_of(m));
-}
 
 }  // namespace claray
