@@ -42,9 +42,9 @@ static inline float time_of_path(const Step* step, global const RayQueue* queue,
 static inline bool arrive_first(LastTriangle* last, const Step* step, const Lights* lights, SCENE_PARAMETERS, global const RayQueue* queue,
                                 global const SceneHit* hits, uint path, float3* radiance, ShadingPoint* at) {
     const Ray ray = queued_ray((global const Ray*)queue + path);
-    const float time = time_of_path(step, queue, path);
+    const PathSegment segment = camera_segment(&step->frame, ray, time_of_path(step, queue, path));
     PathState state = state_of_path(step, queue, path);
-    if (!arrive(last, step, lights, 0, SCENE, ray, hits[path], time, camera_cone(&step->frame), 0u, 0, &state, radiance, at)) return false;
+    if (!arrive(last, step, lights, 0, SCENE, &segment, hits[path], 0, &state, radiance, at)) return false;
     if (is_delta(&at->material)) return false;
     const SurfaceSamples samples = samples_at(samples_of(state, step->frame.seed), 0);
     float lobe;

@@ -1,6 +1,7 @@
 // Follows the last paths of a batch to their ends. Few paths are left after some surfaces, and launching the stages again for each
 // further surface would take longer than tracing them.
 #include "render/follow_path.clh"
+#include "render/queues/segments.clh"
 
 /// For the rays of `queue`, at `step.depth`, which the next stages would trace; `end`: largest number of rays of a path, with that of
 /// the camera. Counts the further rays in the lengths of the queues that would be filled next, which are 0 before.
@@ -13,12 +14,10 @@ void finish_paths(Step step, CLARAY_BVH_PARAMETERS, SCENE_PARAMETERS, global Ray
     if (i < min(*length_of_rays(lengths, step.depth), step.capacity)) {
         NextRay next;
         next.wanted = true;
-        next.ray = queued_ray(&rays_of_queue(queue)[i]);
+        next.segment = queued_segment(&step.frame, step.depth, queue, step.room, i);
         next.state = queued_state(&states_of_queue(queue, step.room)[i]);
-        next.cone = MIPMAPS ? cones_of_queue(queue, step.room)[i] : camera_cone(&step.frame);
-        next.media = media_of_ray(step.depth, queue, step.room, i);
         const uint path = next.state.path;
-        vstore3(follow_path(&step, step.depth, end, CLARAY_BVH, SCENE, next, 0.0f, vload3(path, radiance),
+        vstore3(follow_path(&step, step.depth, end, CLARAY_BVH, SCENE, next, vload3(path, radiance),
                             radiance + 3 * (size_t)step.room, &rays),
                 path, radiance);
     }

@@ -1,6 +1,7 @@
 // The stage between two traces: shades hits (shade_hit.clh).
 #include "claray/shared/lists/effects.h"
 #include "render/queues/ray_list.clh"
+#include "render/queues/segments.clh"
 #include "render/shade_hit.clh"
 
 #ifndef GROUP_SIZE
@@ -40,7 +41,6 @@
 typedef struct ShadedRay {
     NextRay next;
     NextShadow shadow;
-    float time;  // under INSTANCE_MOTION
 } ShadedRay;
 
 /// Adds what a ray gathers to its path.
@@ -54,14 +54,6 @@ static inline void note_next(const Step* step, uint path, const NextRay* next, g
         note_bin(step, path, next->wanted ? next->bin : ENDS_HERE, throughput_of(next->state), radiance);
 }
 
-static inline float time_in_queue(global RayQueue* queue, uint room, uint i) {
-    return INSTANCE_MOTION ? times_of_queue(queue, room)[i] : 0.0f;
-}
-
-static inline RayCone cone_of_ray(const FrameData* frame, uint depth, global RayQueue* queue, uint room, uint i) {
-    return MIPMAPS && depth != 0 ? cones_of_queue(queue, room)[i] : camera_cone(frame);
-}
-
 #if SHADE_GROUPS
 #include "render/groups/hit_group.clh"
 #endif
@@ -71,12 +63,10 @@ static inline void shade_ray(const Step* step, SCENE_PARAMETERS, global RayQueue
                              global float* radiance, ShadedRay* shaded) {
     const uint depth = step->depth, room = step->room;
     const PathState state = queued_state(&states_of_queue(queue, room)[i]);
-    const RayCone cone = cone_of_ray(&step->frame, depth, queue, room, i);
-    shaded->time = time_in_queue(queue, room, i);
+    const PathSegment segment = queued_segment(&step->frame, depth, queue, room, i);
     float3 gathered;
     if (PATH_GUIDE && teaches(&step->frame, depth)) note_light_before(step, state.path, radiance);
-    shade_hit(step, depth, SCENE, queued_ray(&rays_of_queue(queue)[i]), hits[i], shaded->time, state, cone,
-              media_of_ray(depth, queue, room, i), radiance + 3 * (size_t)room, &gathered, &shaded->next, &shaded->shadow);
+    shade_hit(step, depth, SCENE, segment, hits[i], state, radiance + 3 * (size_t)room, &gathered, &shaded->next, &shaded->shadow);
     add_gathered(gathered, state.path, radiance);
     note_next(step, state.path, &shaded->next, radiance);
 }
@@ -92,17 +82,14 @@ static inline void shade_rays(const Step* step, SCENE_PARAMETERS, global RayQueu
 }
 
 static inline void store_next(const ShadedRay* shaded, global RayQueue* queue, uint room, uint slot) {
-    store_ray(&rays_of_queue(queue)[slot], shaded->next.ray);
+    store_segment(shaded->next.segment, queue, room, slot);
     store_state(&states_of_queue(queue, room)[slot], shaded->next.state);
-    if (INSTANCE_MOTION) times_of_queue(queue, room)[slot] = shaded->time;
-    if (MIPMAPS) cones_of_queue(queue, room)[slot] = shaded->next.cone;
-    if (NESTED_MEDIA) media_of_queue(queue, room)[slot] = shaded->next.media;
 }
 
 static inline void store_shadow(const ShadedRay* shaded, global ShadowQueue* queue, uint room, uint slot) {
     store_ray(&rays_of_shadows(queue)[slot], shaded->shadow.ray);
     store_light(&light_of_shadows(queue, room)[slot], shaded->shadow.light);
-    if (INSTANCE_MOTION) times_of_shadows(queue, room)[slot] = shaded->time;
+    if (INSTANCE_MOTION) times_of_shadows(queue, room)[slot] = shaded->next.segment.time;
 }
 
 #if CLARAY_CPU

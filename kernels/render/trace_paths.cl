@@ -18,10 +18,8 @@ void trace_paths(Step step, CLARAY_BVH_PARAMETERS, SCENE_PARAMETERS, global floa
         next.wanted = true;
         const FrameData* frame = &step.frame;
         next.state = first_state(step.batch, TABLE(uint, listed_pixels), path);
-        next.ray = first_ray(frame, next.state, &time);
-        next.cone = camera_cone(frame);
-        next.media = 0u;
-        vstore3(follow_path(&step, 0, step.depth, CLARAY_BVH, SCENE, next, time, (float3)(0.0f),
+        next.segment = camera_segment(frame, first_ray(frame, next.state, &time), time);
+        vstore3(follow_path(&step, 0, step.depth, CLARAY_BVH, SCENE, next, (float3)(0.0f),
                             radiance + 3 * (size_t)step.room, &rays),
                 path, radiance);
     }

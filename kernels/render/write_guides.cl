@@ -96,7 +96,9 @@ static CLARAY_OUTLINED void see(PathState state, const Step* step, SCENE_PARAMET
     const Hit hit = hit_of(found INSTANCE_BUFFERS);
     float3 glow, albedo = (float3)(0.0f);
     ShadingPoint at;
-    const bool goes_on = arrive(0, step, &lights, 0u, SCENE, ray, found, time, camera_cone(frame), sight.media, 0, &state, &glow, &at);
+    PathSegment segment = camera_segment(frame, ray, time);
+    segment.media = sight.media;
+    const bool goes_on = arrive(0, step, &lights, 0u, SCENE, &segment, found, 0, &state, &glow, &at);
     if (hit.primitive != CLARAY_MISS) {
         if (depth == 0u) {
             sight.normal_x = at.surface.shading.x, sight.normal_y = at.surface.shading.y, sight.normal_z = at.surface.shading.z;
@@ -113,7 +115,7 @@ static CLARAY_OUTLINED void see(PathState state, const Step* step, SCENE_PARAMET
     }
     if (next->wanted) {
         sight.pdf = next->state.pdf;
-        if (NESTED_MEDIA) sight.media = next->media;
+        if (NESTED_MEDIA) sight.media = next->segment.media;
         sight.passed = max(sight.passed, next->state.pdf > 0.0f ? CLARAY_BY_GLOSS : CLARAY_BY_MIRROR);
         sight.throughput_r = next->state.throughput_r, sight.throughput_g = next->state.throughput_g;
         sight.throughput_b = next->state.throughput_b;
@@ -138,7 +140,7 @@ static inline void see_ray(const GuideStep* guide, global const GuideRun* runs, 
 }
 
 static inline void append_ray(const SeenRay* seen, uint slot, global Ray* next_rays, global float* next_times, global uint* next_numbers) {
-    store_ray(&next_rays[slot], seen->next.ray);
+    store_ray(&next_rays[slot], seen->next.segment.ray);
     next_numbers[slot] = seen->number;
     if (INSTANCE_MOTION) next_times[slot] = seen->time;
 }

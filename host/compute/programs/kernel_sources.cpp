@@ -45,6 +45,18 @@ std::vector<KernelSource> with_guards(std::vector<KernelSource> sources) {
     return sources;
 }
 
+/// Adds the files of the folder that the program does not have.
+void add_new_files(std::vector<KernelSource>& sources, const std::filesystem::path& kernels) {
+    std::unordered_set<std::string> known;
+    for (const KernelSource& source : sources) known.insert(source.path);
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(kernels)) {
+        const std::string extension = entry.path().extension();
+        if (extension != ".cl" && extension != ".clh") continue;
+        const std::string path = entry.path().lexically_relative(kernels).generic_string();
+        if (!known.contains(path)) sources.push_back({path, read_text(entry.path())});
+    }
+}
+
 std::vector<KernelSource> sources_in_force() {
     std::vector<KernelSource> sources = embedded_kernel_sources();
     const char* override_dir = std::getenv("CLARAY_KERNEL_DIR");
@@ -65,6 +77,7 @@ std::vector<KernelSource> sources_in_force() {
     if (!any)
         throw Error(ErrorKind::user, "CLARAY_KERNEL_DIR: no kernels of claray in " + kernels.string(),
                     "set it to the folder kernels of claray, or unset it");
+    add_new_files(sources, kernels);
     return sources;
 }
 

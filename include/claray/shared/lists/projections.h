@@ -123,10 +123,10 @@ CLARAY_SHARED_FUNCTION bool has_parallel_rays(uint projection) {
 }
 
 CLARAY_SHARED_FUNCTION ProjectionReal stretch_of_projection(uint projection) {
-#define CLARAY_STRETCH(name, NAME, text, flat, parallel, stretch) \
+#define CLARAY_IMAGE_STRETCH(name, NAME, text, flat, parallel, stretch) \
     if (CLARAY_USES_PROJECTION(NAME) && projection == CLARAY_##NAME) return stretch;
-    CLARAY_OTHER_PROJECTIONS(CLARAY_STRETCH)
-#undef CLARAY_STRETCH
+    CLARAY_OTHER_PROJECTIONS(CLARAY_IMAGE_STRETCH)
+#undef CLARAY_IMAGE_STRETCH
     return 1;
 }
 
