@@ -1,29 +1,10 @@
-// The oracle of nearest points: every triangle, in 80-bit arithmetic.
+// The oracle of nearest points of `claray verify`, for the other tests.
 #pragma once
 
-#include <span>
-#include <vector>
-
-#include "claray/mesh.hpp"
-#include "claray/shared/types.h"
+#include "host/verify/nearest_oracle.hpp"
 
 namespace claray::test {
 
-class NearestOracle {
-public:
-    explicit NearestOracle(const Mesh& mesh) : mesh_(mesh) {}
-
-    /// The distance to triangle i. Culled triangles (two equal vertices, not finite) are infinitely far.
-    [[nodiscard]] long double distance(const glm::vec3& point, std::size_t i) const;
-    /// The bound of claray/query/points.hpp on the error of that distance, before it is rounded to float32.
-    [[nodiscard]] long double error(const glm::vec3& point, std::size_t i) const;
-
-    /// Empty if the answer is right, else what is wrong: the distance, the triangle, a lower triangle at the same
-    /// distance, or the point.
-    [[nodiscard]] const char* judge(const glm::vec3& point, const NearestPoint& answer, float reach) const;
-
-private:
-    const Mesh& mesh_;
-};
+using verify::NearestOracle;
 
 }  // namespace claray::test

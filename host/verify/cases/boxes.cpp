@@ -56,8 +56,6 @@ std::vector<Ray> axis_rays_on(const Mesh& mesh, std::size_t count, std::uint64_t
     return rays;
 }
 
-}  // namespace
-
 /// Boxes near and far, of all shapes, and rays to their faces, edges and corners.
 void boxes(Run& run) {
     const std::uint64_t total = run.count<std::uint64_t>(300'000, 10'000'000), batch = 500'000;
@@ -125,6 +123,17 @@ void axis_rays(Run& run) {
             std::string("along the axes against tilted, ") + name, count,
             [&] { closest_hit(bvh, straight, hits, options); }, [&] { closest_hit(bvh, tilted, hits, options); }, 1.2);
     }
+}
+
+}  // namespace
+
+Cases box_cases() {
+    return {
+        {{"boxes", "boxes", "No box test misses a box that a grazing ray hits"}, boxes},
+        {{"axis-rays", "boxes", "Rays along the axes that begin on faces of boxes: correct, and as fast as others"},
+         axis_rays,
+         true},
+    };
 }
 
 }  // namespace claray::verify

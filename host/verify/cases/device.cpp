@@ -91,8 +91,6 @@ void arithmetic64(Run& run, const std::vector<float>& of) {
     for (int k = 0; k < 6; ++k) run.check(std::string("float64: ") + names[k], wrong[k], "wrongly rounded");
 }
 
-}  // namespace
-
 void arithmetic(Run& run) {
     Random random(run.seed() + 70);
     const auto specials = special_floats();
@@ -186,6 +184,22 @@ void sort_order(Run& run) {
         }
     if (wrong.wrong) run.failure("position " + std::to_string(wrong.first) + " of all is wrong");
     run.check("keys out of their stable order", wrong, "keys");
+}
+
+}  // namespace
+
+Cases device_cases() {
+    return {
+        {{"arithmetic", "device",
+          "+ - * and fma, and with float64 division, are rounded as IEEE 754 says; nothing is contracted"},
+         arithmetic},
+        {{"approximations", "device", "Reciprocals and square roots are as accurate as the error bounds assume"},
+         approximations},
+        {{"float-atomics", "device",
+          "Minima and maxima of floats by integer atomics, with -0, denormals and infinities"},
+         float_atomics},
+        {{"sort", "device", "Radix sort is stable with many equal keys"}, sort_order},
+    };
 }
 
 }  // namespace claray::verify

@@ -151,8 +151,6 @@ void trace_here_and_away(Run& run, Mesh& mesh, std::vector<Ray>& rays, Outcome& 
     trace_closed(run, mesh, rays, outcome, what + " at 1e6");
 }
 
-}  // namespace
-
 void edges(Run& run) { aim_at(run, true); }
 void vertices(Run& run) { aim_at(run, false); }
 
@@ -212,6 +210,20 @@ void integer_edges(Run& run) {
     for (const std::uint32_t claims : claims_of(bvh, Buffer<Ray>(run.device(), rays))) claimed.add(claims == 1);
     report(run, claimed, "not claimed once", rays, mesh, 0);
     run.check("rays not claimed once", claimed, "rays");
+}
+
+}  // namespace
+
+Cases edge_cases() {
+    return {
+        {{"edges", "triangles", "Rays through edges from inside a closed mesh hit exactly one triangle"}, edges},
+        {{"vertices", "triangles", "Rays through vertices from inside a closed mesh hit exactly one triangle"},
+         vertices},
+        {{"integer-edges", "triangles", "Rays through edges and vertices with determinants of exactly 0"},
+         integer_edges},
+        {{"fans", "triangles", "Fans of 4 to 65,536 triangles have exactly one hit everywhere"}, fans},
+        {{"closed-meshes", "triangles", "Rays leave random closed meshes exactly once"}, closed_meshes},
+    };
 }
 
 }  // namespace claray::verify

@@ -86,8 +86,6 @@ double largest_angle(Run& run, const char* what, const std::vector<float>& from,
     return worst;
 }
 
-}  // namespace
-
 /// The bounds are half a step of each number: on the octahedron at most sqrt(18) times as long an arc (in the middle of
 /// a face, towards a corner); on the sphere pi and pi / 2 times, at right angles. Added are 2 % for float32, and 5 %
 /// where OpenCL allows 6 ulp to atan2 and 4 to sin and cos.
@@ -116,8 +114,6 @@ void packed_normals(Run& run) {
     }
 }
 
-namespace {
-
 /// Triangles before the camera, at distances of 1e-3 to 1, that face it by half a right angle or more.
 Mesh triangles_in_view(const glm::vec3& camera, std::size_t count, std::uint64_t seed) {
     Random random(seed);
@@ -144,8 +140,6 @@ std::vector<float> positions_on_device(const Run& run, const GBuffer& buffer) {
         .run({buffer.pixels.size(), 64}, buffer.width, buffer.height, m[0], m[1], m[2], m[3], pixels, positions);
     return positions.read();
 }
-
-}  // namespace
 
 /// Positions from reversed depths in float32, by the host in float64 and by the device in float32, against the oracle's
 /// distances along the rays of the pixels. Errors are relative to the distance and the camera's coordinates.
@@ -183,6 +177,17 @@ void depth_to_position(Run& run) {
     run.check("pixels without a position", size * size, 1 - double(tried) / double(size * size), 0.25, "of all");
     run.check("largest error of positions, host", tried, worst_host, 5e-7, "of the distance");
     run.check("largest error of positions, device", tried, worst_device, 5e-7, "of the distance");
+}
+
+}  // namespace
+
+Cases gbuffer_cases() {
+    return {
+        {{"depth-to-position", "images", "Positions restored from reversed float depth are those of the surfaces"},
+         depth_to_position},
+        {{"packed-normals", "images", "Octahedral and spherical normals of 2 x 16 bits are within half a step"},
+         packed_normals},
+    };
 }
 
 }  // namespace claray::verify

@@ -39,8 +39,6 @@ double clamped_cosine(int band) {
     return 2 * sum / (3 * steps);
 }
 
-}  // namespace
-
 void spherical_harmonics(Run& run) {
     std::mt19937 random(std::uint32_t(run.seed()));
     const auto bodies = run.count(200u, 10'000u);
@@ -84,6 +82,16 @@ void spherical_harmonics(Run& run) {
     run.check("products of two harmonics over the sphere off 0 or 1", bodies, off_orthonormal, 1e-6, "");
     run.check("irradiance of a constant sky of radiance 1, over pi, off 1", count, off_sky, 1e-6, "");
     run.check("bands of the clamped cosine over pi, off 1, 2/3 and 1/4", harmonics, off_cosine, 1e-6, "");
+}
+
+}  // namespace
+
+Cases harmonics_cases() {
+    return {
+        {{"spherical-harmonics", "images",
+          "Spherical harmonics are orthonormal and keep the irradiance of a constant sky"},
+         spherical_harmonics},
+    };
 }
 
 }  // namespace claray::verify

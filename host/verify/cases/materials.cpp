@@ -27,8 +27,6 @@ double reference_density(double alpha, double angle) {
     return alpha * alpha / (pi * denominator * denominator);
 }
 
-}  // namespace
-
 void ggx_density(Run& run) {
     std::vector<float> angles, alphas;
     const int steps = run.count(500, 50'000);
@@ -215,6 +213,22 @@ void shading_normals(Run& run) {
     run.check("shading normals turned from the viewer", sees, "normals");
     run.check("mirrors that reflect into the surface", reflects, "normals");
     run.check("lengths off 1", count, length, 1e-5, "");
+}
+
+}  // namespace
+
+Cases material_cases() {
+    return {
+        {{"ggx-density", "materials", "Density of narrow GGX lobes, alpha down to 1e-4"}, ggx_density},
+        {{"ggx-energy", "materials", "Single scattering of GGX equals quadrature; 1 - ln 2 at alpha 1"}, ggx_energy},
+        {{"furnaces", "materials", "White materials scatter all light and not more, at every angle and roughness"},
+         furnaces},
+        {{"fresnel", "materials", "Fresnel equations up to total reflection and with nearly equal indices"}, fresnel},
+        {{"bsdf-reciprocity", "materials", "f(i, o) = f(o, i)"}, bsdf_reciprocity},
+        {{"bsdf-sampling", "materials", "Sampled directions follow the stated density: chi-squared"}, bsdf_sampling},
+        {{"shading-normals", "materials", "Shading normals face the viewer and reflect away from the surface"},
+         shading_normals},
+    };
 }
 
 }  // namespace claray::verify

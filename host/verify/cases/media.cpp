@@ -198,8 +198,6 @@ Scene scene_of(const MediaScene& from, const Camera& camera) {
     return scene;
 }
 
-}  // namespace
-
 void nested_media(Run& run) {
     const Camera camera = {{2.3f, 1.9f, 3.1f}, {0.f, 0.f, 0.f}, {0.f, 1.f, 0.f}, 48.f};
     constexpr unsigned side = 32;
@@ -218,6 +216,15 @@ void nested_media(Run& run) {
         run.check(std::string("light of ") + scene.name, samples, error, 0.005, "of all");
         if (!(error <= 0.005)) run.failure(printed("%s: %.5f instead of %.5f", scene.name, found, expected));
     }
+}
+
+}  // namespace
+
+Cases media_cases() {
+    return {
+        {{"nested-media", "images", "Light in bodies that touch, overlap or enclose others, against float64"},
+         nested_media},
+    };
 }
 
 }  // namespace claray::verify

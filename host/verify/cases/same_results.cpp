@@ -53,8 +53,6 @@ std::string hash_of_hits(const std::vector<Hit>& hits) {
     return hash_of(words);
 }
 
-}  // namespace
-
 void tree_hashes(Run& run) {
     Tally committed, again;
     for (const auto& [name, mesh] : hashed_meshes())
@@ -141,6 +139,17 @@ void image_hashes(Run& run) {
         if (same.wrong) run.failure(std::string(name) + ": image " + std::to_string(same.first) + " differs");
     }
     run.check("images that differ by run or size of batch", same, "images");
+}
+
+}  // namespace
+
+Cases sameness_cases() {
+    return {
+        {{"tree-hashes", "sameness", "All devices and runs build the same trees"}, tree_hashes},
+        {{"hit-hashes", "sameness", "All devices, layouts, orders and schedules find the same hits"}, hit_hashes},
+        {{"image-hashes", "sameness", "A device renders the same image in every run and with all batch sizes"},
+         image_hashes},
+    };
 }
 
 }  // namespace claray::verify

@@ -35,8 +35,6 @@ Tally against_brute_force(Run& run, const Bvh& bvh, const std::vector<Ray>& rays
     return differ;
 }
 
-}  // namespace
-
 void tiny_counts(Run& run) {
     double faults = 0;
     Tally differ;
@@ -67,8 +65,6 @@ void tiny_counts(Run& run) {
     run.check("faults of trees", trees, faults, 0, "faults");
     run.check("hits that differ from brute force", differ, "rays");
 }
-
-namespace {
 
 /// A mesh with a tenth of junk among its triangles: NaN, infinite, 1e30 or without area.
 struct JunkMesh {
@@ -122,8 +118,6 @@ void junk(Run& run, const Mesh& clean, const std::vector<Ray>& rays, const Bvh::
               0, "triangles");
 }
 
-}  // namespace
-
 void junk(Run& run) {
     const Mesh clean = soup(run.count<std::size_t>(5000, 100'000), 0.1f, run.seed() + 3);
     const auto rays = random_rays(run.count<std::size_t>(20'000, 500'000), 3.f, 1.f, run.seed() + 4);
@@ -143,8 +137,6 @@ void junk(Run& run) {
     run.check_time(
         "building with junk", dirty.triangles.size(), [&] { b.rebuild(); }, [&] { a.rebuild(); }, 1.5);
 }
-
-namespace {
 
 /// Triangles with equal codes, or with codes that differ only along a line or in a plane.
 struct EqualMeshes {
@@ -183,8 +175,6 @@ void equal_codes(Run& run, const EqualMeshes& all, const std::string& at) {
     run.check("height above bits + ceil(log2 N)" + at, trees, std::max(excess, 0.0), 0, "levels");
 }
 
-}  // namespace
-
 void equal_codes(Run& run) {
     const auto count = run.count<std::size_t>(60'000, 1'000'000);
     const EqualMeshes meshes = equal_meshes(count, run.seed());
@@ -199,8 +189,6 @@ void equal_codes(Run& run) {
     run.check_time(
         "equal triangles against random ones", count, [&] { a.rebuild(); }, [&] { b.rebuild(); }, 2);
 }
-
-namespace {
 
 /// Aims every second ray at the cluster, which is the mesh's first `cluster` triangles.
 void stadium(Run& run, const Mesh& mesh, std::size_t cluster, std::vector<Ray> rays, const std::string& at) {
@@ -236,8 +224,6 @@ Mesh stadium_mesh(std::size_t count, std::size_t cluster, std::uint64_t seed) {
     return mesh;
 }
 
-}  // namespace
-
 /// Nine tenths of the triangles are in a cluster of 1e-4 of the scene: codes of 30 bits cannot distinguish them.
 void stadium(Run& run) {
     const auto count = run.count<std::size_t>(20'000, 500'000), cluster = count * 9 / 10;
@@ -249,8 +235,6 @@ void stadium(Run& run) {
     move_away(far, rays, 0x1p18f);  // the cluster's triangles are some sixteenths
     stadium(run, far, few_clustered, rays, " at 1e6");
 }
-
-namespace {
 
 /// Triangles at distances 2^-k, whose codes share longer and longer prefixes, and equal ones: as deep as codes allow.
 /// Scaled by `size` with its corner at `corner_at`, where floats may be as coarse as `least`.
@@ -305,8 +289,6 @@ void stack_depth(Run& run, const Mesh& mesh, const std::vector<Ray>& rays, const
     }
 }
 
-}  // namespace
-
 void stack_depth(Run& run) {
     const Mesh mesh = deep_mesh();
     stack_depth(run, mesh, rays_into(mesh, run.count<std::size_t>(10'000, 200'000), run.seed() + 32), "");
@@ -340,6 +322,21 @@ void rebuilds(Run& run) {
         run.check(std::string("rebuilds that are not sound, ") + name, sound, "trees");
         run.check(std::string("rebuilds with another hash, ") + name, same, "trees");
     }
+}
+
+}  // namespace
+
+Cases tree_cases() {
+    return {
+        {{"tiny-counts", "trees", "0, 1, 2 and a few triangles with every builder and layout"}, tiny_counts},
+        {{"junk", "trees", "A tenth of NaN, infinite, huge and degenerate triangles changes no hit"}, junk, true},
+        {{"equal-codes", "trees", "Equal, collinear and planar triangles: sound trees of bounded height"},
+         equal_codes,
+         true},
+        {{"stadium", "trees", "Nine tenths of the triangles in a cluster of 1e-4 of the scene's size"}, stadium},
+        {{"stack-depth", "trees", "The deepest tree that codes allow fits the stack"}, stack_depth},
+        {{"rebuilds", "trees", "Repeated rebuilds give the same valid tree: the fences work"}, rebuilds},
+    };
 }
 
 }  // namespace claray::verify

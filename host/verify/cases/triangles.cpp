@@ -44,8 +44,6 @@ void compare_primitives(Run& run, const std::vector<Hit>& found, const std::vect
     }
 }
 
-}  // namespace
-
 void slivers(Run& run) {
     Random random(run.seed() + 25);
     Mesh mesh;
@@ -132,8 +130,6 @@ void far_origins(Run& run) {
     }
 }
 
-namespace {
-
 /// Sheets so close together that float32 distances confuse their order: each ray must hit the first one.
 void close_surfaces(Run& run, float at, const std::string& where) {
     Mesh mesh;
@@ -166,8 +162,6 @@ void close_surfaces(Run& run, float at, const std::string& where) {
     }
 }
 
-}  // namespace
-
 void close_surfaces(Run& run) {
     close_surfaces(run, 1.f, "");
     close_surfaces(run, 1e6f, " at 1e6");
@@ -196,8 +190,6 @@ void duplicates(Run& run) {
         }
     }
 }
-
-namespace {
 
 /// Rays include tmax and exclude tmin; invalid rays hit nothing.
 void ray_ends(Run& run, const Mesh& mesh, const std::vector<Ray>& rays, const std::string& at) {
@@ -231,14 +223,28 @@ void ray_ends(Run& run, const Mesh& mesh, const std::vector<Ray>& rays, const st
     }
 }
 
-}  // namespace
-
 void ray_ends(Run& run) {
     Mesh mesh = soup(1000, 0.3f, run.seed() + 60);
     auto rays = random_rays(run.count<std::size_t>(10'000, 200'000), 3.f, 1.f, run.seed() + 61);
     ray_ends(run, mesh, rays, "");
     move_away(mesh, rays);
     ray_ends(run, mesh, rays, " at 1e6");
+}
+
+}  // namespace
+
+Cases triangle_cases() {
+    return {
+        {{"slivers", "triangles", "Slivers and tiny triangles against exact arithmetic"}, slivers},
+        {{"rays-in-planes", "triangles", "Rays in a triangle's plane hit nothing"}, rays_in_planes},
+        {{"scales", "triangles", "Scaling by a power of two changes no hit"}, scales},
+        {{"huge-coordinates", "triangles", "Scenes far from the origin against exact arithmetic"}, huge_coordinates},
+        {{"far-origins", "triangles", "Rays that begin far from the scene against exact arithmetic"}, far_origins},
+        {{"close-surfaces", "triangles", "The first of several sheets one rounding apart is hit"}, close_surfaces},
+        {{"duplicates", "triangles", "The first in the input of several equal triangles is hit"}, duplicates},
+        {{"ray-ends", "triangles", "Rays are open at tmin and closed at tmax; NaN, infinite and zero ones hit nothing"},
+         ray_ends},
+    };
 }
 
 }  // namespace claray::verify

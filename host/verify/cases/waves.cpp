@@ -125,8 +125,6 @@ void check_stability(Run& run) {
     run.check("growth above the limit, inverse", 200, 1 / highest(unstable.heights()), 1e-6, "");
 }
 
-}  // namespace
-
 void wave_equation(Run& run) {
     check_stability(run);
     const unsigned coarse = 17, fine = 33;
@@ -151,6 +149,16 @@ void wave_equation(Run& run) {
         if (same.add(water.heights() == now)) run.failure("step " + std::to_string(i) + " has other heights");
     }
     run.check("steps with other heights than on the host", same, "steps");
+}
+
+}  // namespace
+
+Cases wave_cases() {
+    return {
+        {{"wave-equation", "images",
+          "Water obeys the wave equation: energy, dispersion, and the same heights everywhere"},
+         wave_equation},
+    };
 }
 
 }  // namespace claray::verify

@@ -1,10 +1,10 @@
-#include "tests/oracle/nearest.hpp"
+#include "host/verify/nearest_oracle.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-namespace claray::test {
+namespace claray::verify {
 namespace {
 
 struct V {
@@ -82,4 +82,4 @@ const char* NearestOracle::judge(const glm::vec3& point, const NearestPoint& ans
     return "";
 }
 
-}  // namespace claray::test
+}  // namespace claray::verify

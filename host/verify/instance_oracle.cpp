@@ -1,9 +1,9 @@
-#include "tests/oracle/instances.hpp"
+#include "host/verify/instance_oracle.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-namespace claray::test {
+namespace claray::verify {
 namespace {
 
 constexpr double unit_roundoff = 0x1p-24;
@@ -139,4 +139,4 @@ InstanceComparison InstanceOracle::compare(std::span<const Ray> rays, std::span<
     return result;
 }
 
-}  // namespace claray::test
+}  // namespace claray::verify

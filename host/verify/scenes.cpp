@@ -1,0 +1,40 @@
+#include "host/verify/scenes.hpp"
+
+namespace claray::verify {
+
+std::vector<glm::vec3> render(const Run& run, const Scene& scene, const RenderConfig& config) {
+    Renderer renderer(run.device(), scene, config);
+    renderer.render();
+    return renderer.image();
+}
+
+double mean_of(const std::vector<glm::vec3>& image) {
+    double sum = 0;
+    for (const glm::vec3& pixel : image) sum += pixel.x;
+    return sum / double(image.size());
+}
+
+Material grey(float albedo, float radiance) {
+    Material m;
+    m.albedo = glm::vec3(albedo), m.emission = glm::vec3(radiance);
+    return m;
+}
+
+Mesh square(float half, float y, std::uint32_t material) {
+    Mesh mesh;
+    mesh.positions = {{-half, y, half}, {half, y, half}, {half, y, -half}, {-half, y, -half}};
+    mesh.uvs = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    mesh.materials = {material, material};
+    return mesh;
+}
+
+Camera narrow_camera(const glm::vec3& position, const glm::vec3& target) {
+    Camera camera;
+    camera.position = position, camera.target = target, camera.vertical_fov = 0.01f;
+    const glm::vec3 view = glm::abs(target - position);
+    if (view.y > 0.9f * glm::length(view)) camera.up = {0.f, 0.f, 1.f};
+    return camera;
+}
+
+}  // namespace claray::verify

@@ -1,0 +1,18 @@
+// Small scenes to verify renders with.
+#pragma once
+
+#include "claray/renderer.hpp"
+#include "host/verify/run.hpp"
+
+namespace claray::verify {
+
+[[nodiscard]] std::vector<glm::vec3> render(const Run& run, const Scene& scene, const RenderConfig& config);
+/// The mean of red over all pixels.
+[[nodiscard]] double mean_of(const std::vector<glm::vec3>& image);
+[[nodiscard]] Material grey(float albedo, float radiance = 0.f);
+/// A square in the plane of height y, that faces +y, with texture coordinates.
+[[nodiscard]] Mesh square(float half, float y, std::uint32_t material);
+/// A camera whose pixels are nearly one ray.
+[[nodiscard]] Camera narrow_camera(const glm::vec3& position, const glm::vec3& target);
+
+}  // namespace claray::verify
