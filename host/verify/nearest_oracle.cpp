@@ -1,6 +1,7 @@
 #include "host/verify/nearest_oracle.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -80,6 +81,34 @@ const char* NearestOracle::judge(const glm::vec3& point, const NearestPoint& ans
     if (length(foot - found) > 0x1p-21L * size) return "point and weights";
     if (std::fabs(length(found - to(point)) - d) > 0x1p-21L * size + 2 * rounding(d)) return "point and distance";
     return "";
+}
+
+/// Clips the triangle by the box's planes (Sutherland and Hodgman 1974): something is left if they overlap.
+bool overlaps(const Mesh& mesh, std::size_t i, const Bounds& box) {
+    using Corner = std::array<long double, 3>;
+    std::vector<Corner> polygon;
+    for (int k = 0; k < 3; ++k) {
+        const glm::vec3 p = mesh.positions[mesh.triangles[i][k]];
+        polygon.push_back({p.x, p.y, p.z});
+    }
+    for (int side = 0; side < 6; ++side) {
+        const int axis = side / 2;
+        const long double sign = side % 2 == 0 ? 1 : -1, plane = side % 2 == 0 ? box.lo[axis] : box.hi[axis];
+        std::vector<Corner> kept;
+        for (std::size_t k = 0; k < polygon.size(); ++k) {
+            const Corner p = polygon[k], q = polygon[(k + 1) % polygon.size()];
+            const long double from = sign * (p[axis] - plane), to = sign * (q[axis] - plane);
+            if (from >= 0) kept.push_back(p);
+            if ((from > 0 && to < 0) || (from < 0 && to > 0)) {
+                Corner cut;
+                for (int j = 0; j < 3; ++j) cut[j] = p[j] + (q[j] - p[j]) * (from / (from - to));
+                cut[axis] = plane;
+                kept.push_back(cut);
+            }
+        }
+        polygon = kept;
+    }
+    return !polygon.empty();
 }
 
 }  // namespace claray::verify

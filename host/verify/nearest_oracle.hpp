@@ -1,4 +1,4 @@
-// The oracle of nearest points: every triangle, in 80-bit arithmetic.
+// The oracles of nearest points and of overlaps: every triangle, in 80-bit arithmetic.
 #pragma once
 
 #include <span>
@@ -25,5 +25,8 @@ public:
 private:
     const Mesh& mesh_;
 };
+
+/// Whether triangle i and the box share a point, by clipping in 80-bit arithmetic.
+[[nodiscard]] bool overlaps(const Mesh& mesh, std::size_t i, const Bounds& box);
 
 }  // namespace claray::verify

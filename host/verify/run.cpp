@@ -30,6 +30,17 @@ void Run::fact(const std::string& name, const std::string& value) { result_.fact
 void Run::failure(const std::string& what) { result_.failures.push_back(what); }
 void Run::picture(VerifyPicture picture) { result_.pictures.push_back(std::move(picture)); }
 
+std::vector<Form> build_forms(const Device& device) {
+    std::vector<Form> forms = {{"", {}}};
+    if (device.info().type != DeviceType::gpu)
+        forms.push_back({", as on GPUs",
+                         {{"bvh/serial", "RANGES_PER_UNIT", 0},
+                          {"bvh/sbvh", "LARGE_GROUP", 256},
+                          {"bvh/sbvh", "MEDIUM_GROUP", 128},
+                          {"sort/radix_sort", "ONESWEEP", 1}}});
+    return forms;
+}
+
 std::string text_of(const Ray& r) {
     return printed("origin %a %a %a direction %a %a %a tmin %a tmax %a", double(r.ox), double(r.oy), double(r.oz),
                    double(r.dx), double(r.dy), double(r.dz), double(r.tmin), double(r.tmax));

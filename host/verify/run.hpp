@@ -1,6 +1,7 @@
 // What a verification case may use, and where it records its results.
 #pragma once
 
+#include <deque>
 #include <functional>
 #include <span>
 #include <string>
@@ -68,6 +69,29 @@ private:
     config.learns = false;
     return Bvh::build(run.device(), std::span(&mesh, 1), config);
 }
+
+/// A value of the tuning table.
+struct Setting {
+    const char *kernel, *parameter;
+    unsigned value;
+};
+/// A way of doing the same thing, which devices choose by their tables.
+struct Form {
+    const char* name;
+    std::vector<Setting> settings;
+};
+/// Sets the values of a form until the end of the scope.
+class ScopedForm {
+public:
+    ScopedForm(const Device& device, const Form& form) {
+        for (const Setting& s : form.settings) tunings_.emplace_back(device, s.kernel, s.parameter, s.value);
+    }
+
+private:
+    std::deque<ScopedTuning> tunings_;
+};
+/// How trees are built and keys are sorted: as the device's table says, and on CPUs also as GPUs do.
+[[nodiscard]] std::vector<Form> build_forms(const Device& device);
 
 /// In hexadecimal floating point, which is exact.
 [[nodiscard]] std::string text_of(const Ray& ray);

@@ -1,7 +1,7 @@
 // Instances for tests: transforms of all kinds, and bottom levels.
 #pragma once
 
-#include "claray/instances.hpp"
+#include "host/verify/placements.hpp"
 #include "tests/support/meshes.hpp"
 
 namespace claray::test {
@@ -9,16 +9,9 @@ namespace claray::test {
 /// The structure of each mesh.
 std::vector<Bvh> build_bottoms(std::span<const Mesh> meshes, Layout layout);
 
-/// Rotates by a random rotation.
-glm::mat4 random_rotation(Random& random);
-
-/// `count` instances of random bottom levels in the cube of half side `half`: rotated, scaled differently along the
-/// axes before and after, every third mirrored.
-std::vector<Instance> random_instances(std::size_t count, std::uint32_t bottoms, float half, float scale,
-                                       std::uint64_t seed);
-
-/// Where they go: up to an eighth of a turn, a stretch, and a way of up to `far`.
-std::vector<Instance> moved(std::span<const Instance> begins, float far, std::uint64_t seed);
+using verify::moved;
+using verify::random_instances;
+using verify::random_rotation;
 
 bool same(const InstanceHit& a, const InstanceHit& b);
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/verify/primitive_oracle.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/meshes.hpp"
@@ -15,70 +16,7 @@
 namespace claray::test {
 namespace {
 
-/// The exact curve in float64: a place and a radius at each parameter.
-struct ExactCurve {
-    glm::dvec4 p[4];  // Bezier control points
-
-    ExactCurve(const glm::vec4* c, CurveBasis basis) {
-        const glm::dvec4 a(c[0]), b(c[1]), d(c[2]), e(c[3]);
-        if (basis == CurveBasis::bezier)
-            p[0] = a, p[1] = b, p[2] = d, p[3] = e;
-        else
-            p[0] = (a + 4. * b + d) / 6., p[1] = (2. * b + d) / 3., p[2] = (b + 2. * d) / 3.,
-            p[3] = (b + 4. * d + e) / 6.;
-    }
-    [[nodiscard]] glm::dvec4 at(double s) const {
-        const double r = 1 - s;
-        return r * r * r * p[0] + 3 * r * r * s * p[1] + 3 * r * s * s * p[2] + s * s * s * p[3];
-    }
-};
-
-struct Tufts {
-    std::vector<glm::vec4> points;
-    std::vector<std::uint32_t> segments;
-};
-
-/// Strands of `length` segments with a radius that varies.
-Tufts random_strands(std::size_t count, std::uint32_t length, CurveBasis basis, std::uint64_t seed) {
-    Random random(seed);
-    Tufts tufts;
-    for (std::size_t i = 0; i < count; ++i) {
-        const std::uint32_t step = basis == CurveBasis::bezier ? 3 : 1;
-        glm::vec3 at = random.in_cube(1), along = 0.1f * random.in_cube(1);
-        for (std::uint32_t k = 0; k < length; ++k)
-            tufts.segments.push_back(std::uint32_t(tufts.points.size()) + step * k);
-        for (std::uint32_t k = 0; k < step * (length - 1) + 4; ++k) {
-            tufts.points.emplace_back(at, random.uniform(0.004f, 0.02f));
-            along += 0.05f * random.in_cube(1), at += along;
-        }
-    }
-    return tufts;
-}
-
-/// Along the ray, the first distance at which it is within the radius, grown by `more`, of any of the curves; infinite
-/// if there is none. Marches by the distance to the surface.
-double first_contact(const std::vector<ExactCurve>& curves, const Ray& ray, double more, CurveShape shape) {
-    const glm::dvec3 o(ray.ox, ray.oy, ray.oz), d(ray.dx, ray.dy, ray.dz);
-    double best = infinity;
-    for (const ExactCurve& curve : curves) {
-        glm::dvec3 lo(1e9), hi(-1e9);  // of the control points: most rays pass far off
-        double r = 0;
-        for (const glm::dvec4& p : curve.p)
-            lo = glm::min(lo, glm::dvec3(p)), hi = glm::max(hi, glm::dvec3(p)), r = std::max(r, p.w);
-        const glm::dvec3 mid = 0.5 * (lo + hi) - o;
-        const double along = dot(mid, d) / dot(d, d);
-        if (length(mid - along * d) > 0.5 * length(hi - lo) + r + more) continue;
-        constexpr int samples = 300;
-        for (int i = 0; i <= samples; ++i) {
-            const glm::dvec4 c = curve.at(double(i) / samples);
-            const glm::dvec3 p = glm::dvec3(c) - o;
-            const double t = dot(p, d) / dot(d, d), r2 = (c.w + more) * (c.w + more), off = dot(p - t * d, p - t * d);
-            if (off > r2) continue;
-            best = std::min(best, shape == CurveShape::round ? t - std::sqrt((r2 - off) / dot(d, d)) : t);
-        }
-    }
-    return best;
-}
+using namespace verify;  // the oracle of curves
 
 class CurvesTest : public testing::TestWithParam<std::tuple<CurveBasis, CurveShape, Layout>> {
 protected:
@@ -89,12 +27,6 @@ protected:
                             {.builder = builder, .layout = std::get<2>(GetParam())});
     }
 };
-
-std::vector<ExactCurve> exact_curves(const Tufts& tufts, CurveBasis basis) {
-    std::vector<ExactCurve> curves;
-    for (const std::uint32_t first : tufts.segments) curves.emplace_back(&tufts.points[first], basis);
-    return curves;
-}
 
 /// A curve that is thinner by the tolerance is hit later or not, one that is thicker earlier.
 TEST_P(CurvesTest, HitsAreWithinTheToleranceOfTheExactCurve) {

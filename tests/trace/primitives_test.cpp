@@ -12,6 +12,7 @@
 #include "claray/query/overlaps.hpp"
 #include "claray/query/points.hpp"
 #include "host/bvh/bvh_state.hpp"
+#include "host/verify/primitive_oracle.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/meshes.hpp"
@@ -21,58 +22,12 @@
 namespace claray::test {
 namespace {
 
-using V = glm::vec<3, long double>;
-
-/// Distances at which a ray crosses a primitive's surface, in 80-bit arithmetic.
-using Crossings = std::vector<long double> (*)(const float* data, const V& origin, const V& direction);
-
-/// The solutions of |p + t q|^2 = r^2.
-std::vector<long double> circle(const V& p, const V& q, long double r) {
-    const long double a = dot(q, q), b = dot(p, q), disc = b * b - a * (dot(p, p) - r * r);
-    if (!(disc >= 0) || a == 0) return {};
-    return {(-b - std::sqrt(disc)) / a, (-b + std::sqrt(disc)) / a};
-}
-
-std::vector<long double> cross_sphere(const float* s, const V& o, const V& d) {
-    return circle(o - V(s[0], s[1], s[2]), d, s[3]);
-}
-
-std::vector<long double> cross_disc(const float* s, const V& o, const V& d) {
-    const V n(s[4], s[5], s[6]), c(s[0], s[1], s[2]);
-    const long double t = dot(n, c - o) / dot(n, d), r = length(o + t * d - c);
-    return r <= s[3] && r >= s[7] ? std::vector<long double>{t} : std::vector<long double>{};
-}
-
-std::vector<long double> cross_cylinder(const float* s, const V& o, const V& d) {
-    const V a(s[0], s[1], s[2]), b(s[4], s[5], s[6]), axis = normalize(b - a), from = o - a;
-    const auto across = [&](const V& v) { return v - dot(v, axis) * axis; };
-    std::vector<long double> found;
-    for (const long double t : circle(across(from), across(d), s[3])) {
-        const long double along = dot(from + t * d, axis);
-        if (along >= 0 && along <= length(b - a)) found.push_back(t);
-    }
-    if (s[7] != 0)
-        for (const V& end : {a, b}) {
-            const long double t = dot(end - o, axis) / dot(d, axis);
-            if (length(o + t * d - end) <= s[3]) found.push_back(t);
-        }
-    return found;
-}
-
-struct KindCase {
-    const char* name;
-    PrimitiveKind kind;
-    Crossings crossings;
-};
+using KindCase = verify::ExactKind;
+using verify::random_data;
 
 class PrimitivesTest : public testing::TestWithParam<std::tuple<int, Layout>> {
 protected:
-    static KindCase kind_case() {
-        const KindCase cases[] = {{"spheres", sphere_kind(), cross_sphere},
-                                  {"discs", disc_kind(), cross_disc},
-                                  {"cylinders", cylinder_kind(), cross_cylinder}};
-        return cases[std::get<0>(GetParam())];
-    }
+    static KindCase kind_case() { return verify::exact_kinds()[std::size_t(std::get<0>(GetParam()))]; }
     static Primitives build(const PrimitiveKind& kind, const std::vector<float>& data,
                             Builder builder = Builder::balanced) {
         return Primitives::build(device(), kind, Buffer<float>(device(), data),
@@ -81,35 +36,14 @@ protected:
     }
 };
 
-std::vector<float> random_data(const KindCase& of, std::size_t count, float size, std::uint64_t seed) {
-    Random random(seed);
-    std::vector<float> data;
-    for (std::size_t i = 0; i < count; ++i) {
-        const glm::vec3 a = random.in_cube(1), b = random.in_cube(1);
-        data.insert(data.end(), {a.x, a.y, a.z, size * random.uniform(0.2f, 1.f)});
-        if (of.kind.floats != 8) continue;
-        const glm::vec3 second = of.crossings == cross_disc ? b : a + size * 3.f * b;
-        const float last = of.crossings == cross_disc ? 0.1f * size * float(i % 2) : float(i % 2);
-        data.insert(data.end(), {second.x, second.y, second.z, last});
-    }
-    return data;
-}
-
 void expect_oracle_hits(const KindCase& of, const std::vector<float>& data, const std::vector<Ray>& rays,
                         const std::vector<Hit>& hits) {
     std::size_t found = 0, marginal = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) {
-        const Ray& ray = rays[i];
-        const V o(ray.ox, ray.oy, ray.oz), d(ray.dx, ray.dy, ray.dz);
-        long double nearest = std::numeric_limits<long double>::infinity();
-        std::uint32_t primitive = CLARAY_MISS;
-        for (std::size_t p = 0; p < data.size() / of.kind.floats; ++p)
-            for (const long double t : of.crossings(&data[p * of.kind.floats], o, d))
-                if (float(t) > ray.tmin && float(t) <= ray.tmax && t < nearest)
-                    nearest = t, primitive = std::uint32_t(p);
-        if (hits[i].primitive == primitive &&
-            (primitive == CLARAY_MISS || std::fabs(hits[i].t - nearest) <= 1e-7L * nearest)) {
-            found += primitive != CLARAY_MISS;
+        const verify::OracleHit nearest = verify::closest_primitive(of, data, rays[i]);
+        if (hits[i].primitive == nearest.primitive &&
+            (nearest.primitive == CLARAY_MISS || std::fabs(hits[i].t - nearest.t) <= 1e-7 * nearest.t)) {
+            found += nearest.primitive != CLARAY_MISS;
             continue;
         }
         ++marginal;  // at a border, where float64 may round to the other side
@@ -151,7 +85,7 @@ TEST_P(PrimitivesTest, FarAwayAndFewAndNone) {
     std::vector<float> data = random_data(of, 300, 1000.f, 5);
     for (std::size_t i = 0; i < data.size(); i += of.kind.floats) {
         for (int k = 0; k < 3; ++k) data[i + k] += 1e6f;
-        if (of.crossings == cross_cylinder)
+        if (of.name == std::string("cylinders"))
             for (int k = 4; k < 7; ++k) data[i + k] += 1e6f;
     }
     std::vector<Ray> rays = random_rays(2003, 5000.f, 500.f, 6);
@@ -213,7 +147,7 @@ TEST(OwnPrimitives, MoveWithTheirData) {
 /// Nodes are full where that costs least: seven of ten of their places are taken. Trees of CPUs, which test the eight
 /// primitives of a leaf at once, fill their leaves, too.
 TEST(OwnPrimitives, FillWideNodes) {
-    const KindCase spheres = {"spheres", sphere_kind(), cross_sphere};
+    const KindCase spheres = verify::exact_kinds()[0];
     const std::vector<float> data = random_data(spheres, 5003, 0.05f, 7);
     for (const Builder builder : {Builder::binned, Builder::balanced, Builder::fast}) {
         const Primitives primitives = Primitives::build(device(), spheres.kind, Buffer<float>(device(), data), 5003,
@@ -240,7 +174,7 @@ TEST(OwnPrimitives, FillWideNodes) {
 
 /// On CPUs so many rays that are declared incoherent are traced in another order.
 TEST(OwnPrimitives, SortedRaysHitTheSame) {
-    const KindCase spheres = {"spheres", sphere_kind(), cross_sphere};
+    const KindCase spheres = verify::exact_kinds()[0];
     const Primitives primitives = Primitives::build(device(), spheres.kind, random_data(spheres, 503, 0.1f, 8));
     const std::vector<Ray> rays = random_rays(65'537, 3.f, 1.f, 9);
     QueryOptions incoherent;

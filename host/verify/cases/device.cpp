@@ -164,26 +164,34 @@ void float_atomics(Run& run) {
 }
 
 /// Equal keys must keep their order, so that equal Morton codes always give the same tree.
+template <class Key>
+void sort_keys(Run& run, std::size_t count, std::uint64_t different, Tally& wrong) {
+    Random random(run.seed() + count + different);
+    std::vector<Key> keys(count);
+    for (auto& key : keys)
+        key = Key((std::uint64_t(random.below(0xffffffffu)) << 31 ^ random.below(0xffffffffu)) % different);
+    std::vector<std::uint32_t> order(count);
+    std::iota(order.begin(), order.end(), 0u);
+    std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return keys[a] < keys[b]; });
+    Buffer<Key> device_keys(run.device(), keys);
+    Buffer<std::uint32_t> values(run.device(), count);
+    RadixSort<Key>(run.device(), count, RadixSort<Key>::config_for(run.device())).sort(device_keys, values, count);
+    const auto found = values.read();
+    for (std::size_t i = 0; i < count; ++i) wrong.add(found[i] == order[i]);
+}
+
 void sort_order(Run& run) {
-    Tally wrong;
-    for (const std::size_t count : {std::size_t(1), std::size_t(1000), run.count<std::size_t>(100'003, 4'000'003)})
-        for (const std::uint64_t different : {1ull, 3ull, 5000ull, 1ull << 62}) {
-            Random random(run.seed() + count + different);
-            std::vector<std::uint64_t> keys(count);
-            for (auto& key : keys)
-                key = (std::uint64_t(random.below(0xffffffffu)) << 31 ^ random.below(0xffffffffu)) % different;
-            std::vector<std::uint32_t> order(count);
-            std::iota(order.begin(), order.end(), 0u);
-            std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return keys[a] < keys[b]; });
-            Buffer<std::uint64_t> device_keys(run.device(), keys);
-            Buffer<std::uint32_t> values(run.device(), count);
-            RadixSort<std::uint64_t>(run.device(), count, RadixSort<std::uint64_t>::config_for(run.device()))
-                .sort(device_keys, values, count);
-            const auto found = values.read();
-            for (std::size_t i = 0; i < count; ++i) wrong.add(found[i] == order[i]);
-        }
-    if (wrong.wrong) run.failure("position " + std::to_string(wrong.first) + " of all is wrong");
-    run.check("keys out of their stable order", wrong, "keys");
+    for (const Form& form : build_forms(run.device())) {
+        const ScopedForm set(run.device(), form);
+        Tally wrong;
+        for (const std::size_t count : {std::size_t(1), std::size_t(1000), run.count<std::size_t>(100'003, 4'000'003)})
+            for (const std::uint64_t different : {1ull, 3ull, 5000ull, 1ull << 62}) {
+                sort_keys<std::uint64_t>(run, count, different, wrong);
+                sort_keys<std::uint32_t>(run, count, std::min<std::uint64_t>(different, 0xffffffffu), wrong);
+            }
+        if (wrong.wrong) run.failure("position " + std::to_string(wrong.first) + " of all is wrong" + form.name);
+        run.check(std::string("keys out of their stable order") + form.name, wrong, "keys");
+    }
 }
 
 }  // namespace

@@ -34,12 +34,13 @@ std::vector<std::pair<std::string, Mesh>> hashed_meshes() {
             {"hair", all_of(*builtin_scene("hair:3000"))}};
 }
 
-void compare_with_committed(Run& run, const std::string& name, const std::string& hash, Tally& tally) {
-    run.fact(name, hash);
+void compare_with_committed(Run& run, const std::string& name, const std::string& form, const std::string& hash,
+                            Tally& tally) {
+    if (form.empty()) run.fact(name, hash);
     const std::string expected = expected_hash(name);
     tally.add(hash == expected);
     if (hash != expected)
-        run.failure(name + " is " + hash + " instead of " + (expected.empty() ? "none committed" : expected));
+        run.failure(name + form + " is " + hash + " instead of " + (expected.empty() ? "none committed" : expected));
 }
 
 /// The part of a hit that is promised on every device: the triangle and the distance.
@@ -53,18 +54,28 @@ std::string hash_of_hits(const std::vector<Hit>& hits) {
     return hash_of(words);
 }
 
+/// Builds a mesh by all builders and compares the trees with the committed ones.
+void tree_hashes(Run& run, const std::string& name, const Mesh& mesh, const Form& form, Tally& committed,
+                 Tally& again) {
+    const ScopedForm set(run.device(), form);
+    for (const BuilderTraits& traits : builders) {
+        const auto hash = [&] {
+            return build(run, mesh, {.builder = traits.builder, .layout = Layout::binary}).hash();
+        };
+        const std::string first = hash();
+        compare_with_committed(run, "tree " + name + ' ' + traits.name, form.name, first, committed);
+        for (int i = 1; i < run.count(3, 100); ++i) again.add(hash() == first);
+    }
+}
+
 void tree_hashes(Run& run) {
-    Tally committed, again;
-    for (const auto& [name, mesh] : hashed_meshes())
-        for (const auto& [builder, builder_name, note, codes, splits] : builders) {
-            const auto hash = [&] { return build(run, mesh, {.builder = builder, .layout = Layout::binary}).hash(); };
-            const std::string first = hash();
-            compare_with_committed(run, "tree " + name + ' ' + builder_name, first, committed);
-            for (int i = 1; i < run.count(3, 100); ++i) again.add(hash() == first);
-        }
-    if (again.wrong) run.failure("build " + std::to_string(again.first) + " gave another tree");
-    run.check("trees that are not the committed ones", committed, "trees");
-    run.check("trees of further builds that differ", again, "trees");
+    for (const Form& form : build_forms(run.device())) {
+        Tally committed, again;
+        for (const auto& [name, mesh] : hashed_meshes()) tree_hashes(run, name, mesh, form, committed, again);
+        if (again.wrong) run.failure("build " + std::to_string(again.first) + " gave another tree" + form.name);
+        run.check(std::string("trees that are not the committed ones") + form.name, committed, "trees");
+        run.check(std::string("trees of further builds that differ") + form.name, again, "trees");
+    }
 }
 
 /// The same hits in both layouts, for any order of the rays, in one query or many, by packets and one by one.
@@ -81,7 +92,7 @@ void hit_hashes(Run& run) {
             const std::string hash = hash_of_hits(hits);
             if (first.empty()) {
                 first = hash;
-                compare_with_committed(run, "hits " + name, hash, committed);
+                compare_with_committed(run, "hits " + name, "", hash, committed);
             }
             same.add(hash == first);
             const auto expect = [&](const std::vector<Hit>& found, const std::string& how) {

@@ -35,7 +35,8 @@ Tally against_brute_force(Run& run, const Bvh& bvh, const std::vector<Ray>& rays
     return differ;
 }
 
-void tiny_counts(Run& run) {
+void tiny_counts(Run& run, const Form& form) {
+    const ScopedForm set(run.device(), form);
     double faults = 0;
     Tally differ;
     std::uint64_t trees = 0;
@@ -48,8 +49,8 @@ void tiny_counts(Run& run) {
                     if (*at) move_away(mesh);
                     const Bvh bvh = build(run, mesh, {.builder = builder, .layout = layout});
                     const double wrong = faults_of(bvh);
-                    const std::string what =
-                        std::to_string(count) + " triangles" + at + ", " + builder_name + ", " + layout_name;
+                    const std::string what = std::to_string(count) + " triangles" + at + ", " + builder_name + ", " +
+                                             layout_name + form.name;
                     if (wrong > 0) run.failure(what + ": the tree is not sound");
                     faults += wrong, ++trees;
                     for (const std::size_t n : {1u, 200u}) {
@@ -62,8 +63,12 @@ void tiny_counts(Run& run) {
                     }
                     if (!closest_hit(bvh, std::span<const Ray>()).empty()) ++faults;
                 }
-    run.check("faults of trees", trees, faults, 0, "faults");
-    run.check("hits that differ from brute force", differ, "rays");
+    run.check(std::string("faults of trees") + form.name, trees, faults, 0, "faults");
+    run.check(std::string("hits that differ from brute force") + form.name, differ, "rays");
+}
+
+void tiny_counts(Run& run) {
+    for (const Form& form : build_forms(run.device())) tiny_counts(run, form);
 }
 
 /// A mesh with a tenth of junk among its triangles: NaN, infinite, 1e30 or without area.
@@ -178,7 +183,10 @@ void equal_codes(Run& run, const EqualMeshes& all, const std::string& at) {
 void equal_codes(Run& run) {
     const auto count = run.count<std::size_t>(60'000, 1'000'000);
     const EqualMeshes meshes = equal_meshes(count, run.seed());
-    equal_codes(run, meshes, "");
+    for (const Form& form : build_forms(run.device())) {
+        const ScopedForm set(run.device(), form);
+        equal_codes(run, meshes, form.name);
+    }
     EqualMeshes far = equal_meshes(run.count<std::size_t>(5000, 100'000), run.seed());
     for (glm::vec3& p : far.line.positions) p += far_away;  // whole numbers, exactly
     move_away(far.equal), move_away(far.plane);
@@ -301,26 +309,29 @@ void stack_depth(Run& run) {
 
 /// The bottom-up build is a lock-free algorithm: without a fence at device scope it would sometimes fail, on large
 /// trees.
+void rebuilds(Run& run, const Mesh& mesh, const BuilderTraits& builder, const std::string& what) {
+    Bvh bvh = build(run, mesh, {.builder = builder.builder, .layout = Layout::binary});
+    const std::string expected = bvh.hash();
+    const int every = run.count(1, 50);  // a hash reads the whole tree
+    Tally sound, same;
+    for (int i = 0; i < run.count(60, 10'000); ++i) {
+        bvh.rebuild();
+        sound.add(faults_of(bvh) == 0);
+        if (i % every == 0) same.add(bvh.hash() == expected);
+    }
+    if (sound.wrong) run.failure(what + ": rebuild " + std::to_string(sound.first) + " is not sound");
+    if (same.wrong)
+        run.failure(what + ": another tree at rebuild " + std::to_string(same.first * std::uint64_t(every)));
+    run.check("rebuilds that are not sound, " + what, sound, "trees");
+    run.check("rebuilds with another hash, " + what, same, "trees");
+}
+
 void rebuilds(Run& run) {
     const Mesh mesh = soup(run.count<std::size_t>(20'011, 200'003), 0.02f, run.seed() + 5);
-    const int total = run.count(60, 10'000);
-    for (const auto& [builder, name, note, codes, splits] : builders) {
-        if (!codes) continue;  // from the root down, level by level
-        Bvh bvh = build(run, mesh, {.builder = builder, .layout = Layout::binary});
-        const std::string expected = bvh.hash();
-        const int every = run.count(1, 50);  // a hash reads the whole tree
-        Tally sound, same;
-        for (int i = 0; i < total; ++i) {
-            bvh.rebuild();
-            sound.add(faults_of(bvh) == 0);
-            if (i % every == 0) same.add(bvh.hash() == expected);
-        }
-        if (sound.wrong) run.failure(std::string(name) + ": rebuild " + std::to_string(sound.first) + " is not sound");
-        if (same.wrong)
-            run.failure(std::string(name) + ": another tree at rebuild " +
-                        std::to_string(same.first * std::uint64_t(every)));
-        run.check(std::string("rebuilds that are not sound, ") + name, sound, "trees");
-        run.check(std::string("rebuilds with another hash, ") + name, same, "trees");
+    for (const Form& form : build_forms(run.device())) {
+        const ScopedForm set(run.device(), form);
+        for (const BuilderTraits& builder : builders)
+            if (builder.codes) rebuilds(run, mesh, builder, builder.name + std::string(form.name));
     }
 }
 

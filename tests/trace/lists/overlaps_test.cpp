@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
 #include <limits>
 
 #include "tests/oracle/nearest.hpp"
@@ -17,6 +16,8 @@ namespace {
 
 using Ids = std::vector<std::uint32_t>;
 
+using verify::overlaps;
+
 class OverlapsTest : public testing::TestWithParam<Layout> {
 protected:
     static Bvh build(const Mesh& mesh, Builder builder = Builder::fast) {
@@ -26,34 +27,6 @@ protected:
 
 Ids list_of(const HostLists<std::uint32_t>& lists, std::size_t i) {
     return {lists.elements.begin() + lists.offsets[i], lists.elements.begin() + lists.offsets[i + 1]};
-}
-
-/// Clips the triangle by the box's planes (Sutherland and Hodgman 1974): something is left if they overlap.
-bool overlaps(const Mesh& mesh, std::size_t i, const Bounds& box) {
-    using V = std::array<long double, 3>;
-    std::vector<V> polygon;
-    for (int k = 0; k < 3; ++k) {
-        const glm::vec3 p = mesh.positions[mesh.triangles[i][k]];
-        polygon.push_back({p.x, p.y, p.z});
-    }
-    for (int side = 0; side < 6; ++side) {
-        const int axis = side / 2;
-        const long double sign = side % 2 == 0 ? 1 : -1, plane = side % 2 == 0 ? box.lo[axis] : box.hi[axis];
-        std::vector<V> kept;
-        for (std::size_t k = 0; k < polygon.size(); ++k) {
-            const V p = polygon[k], q = polygon[(k + 1) % polygon.size()];
-            const long double from = sign * (p[axis] - plane), to = sign * (q[axis] - plane);
-            if (from >= 0) kept.push_back(p);
-            if ((from > 0 && to < 0) || (from < 0 && to > 0)) {
-                V cut;
-                for (int j = 0; j < 3; ++j) cut[j] = p[j] + (q[j] - p[j]) * (from / (from - to));
-                cut[axis] = plane;
-                kept.push_back(cut);
-            }
-        }
-        polygon = kept;
-    }
-    return !polygon.empty();
 }
 
 std::vector<Bounds> random_boxes(std::size_t count, std::uint64_t seed) {

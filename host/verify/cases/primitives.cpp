@@ -1,0 +1,120 @@
+// Geometry that is not triangles: spheres, discs and cylinders against 80-bit arithmetic, curves against exact ones.
+#include <algorithm>
+#include <cmath>
+
+#include "host/verify/cases/cases.hpp"
+#include "host/verify/primitive_oracle.hpp"
+
+namespace claray::verify {
+namespace {
+
+QueryOptions options_with(bool brute_force) {
+    QueryOptions options;
+    options.brute_force = brute_force;
+    return options;
+}
+
+/// Hits at a border, where float64 may round to the other side, are wrong by this count.
+struct Judged {
+    std::size_t rays = 0, hits = 0, wrong = 0;
+    Tally any;
+};
+
+void judge(Run& run, const ExactKind& of, const std::vector<float>& data, const Primitives& primitives,
+           const std::vector<Ray>& rays, bool brute_force, Judged& judged) {
+    const auto hits = closest_hit(primitives, rays, options_with(brute_force));
+    const auto occluded = any_hit(primitives, rays, options_with(brute_force));
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const OracleHit nearest = closest_primitive(of, data, rays[i]);
+        const bool met = nearest.primitive != CLARAY_MISS;
+        const bool right = hits[i].primitive == nearest.primitive &&
+                           (!met || std::abs(hits[i].t - nearest.t) <= 1e-7 * std::abs(nearest.t));
+        judged.hits += met, judged.wrong += !right;
+        if (judged.any.add((occluded[i] != 0) == (hits[i].primitive != CLARAY_MISS)))
+            run.failure(std::string(of.name) + ", a wrong any hit: " + text_of(rays[i]));
+    }
+    judged.rays += rays.size();
+}
+
+void primitives(Run& run) {
+    auto rays = random_rays(run.count<std::size_t>(1500, 50'000), 3.f, 1.f, run.seed() + 111);
+    for (std::size_t i = 0; i < rays.size(); i += 3) rays[i].tmin = 2.5f, rays[i].tmax = 3.5f;  // some from inside
+    for (const ExactKind& of : exact_kinds()) {
+        const auto data = random_data(of, 300, 0.2f, run.seed() + 110), later = random_data(of, 300, 0.2f, run.seed());
+        Judged judged;
+        for (const auto& [layout, name] : layouts)
+            for (const auto& [builder, builder_name, note, codes, splits] : builders) {
+                Primitives built = Primitives::build(run.device(), of.kind, Buffer<float>(run.device(), data), 300,
+                                                     {.builder = builder, .layout = layout});
+                for (const bool brute_force : {false, true}) {
+                    if (brute_force && builder != Builder::fast) continue;
+                    judge(run, of, data, built, rays, brute_force, judged);
+                }
+                Buffer<float>(built.data()).write(later);
+                built.refit();
+                judge(run, of, later, built, rays, false, judged);
+            }
+        const std::string kind = of.name;
+        run.check("closest hits of " + kind + " off float64", judged.rays, double(judged.wrong) / double(judged.rays),
+                  2e-4, "of all");
+        run.check("rays that meet no " + kind, judged.rays, judged.hits < judged.rays / 10, 0, "");
+        run.check("wrong any hits of " + kind, judged.any, "rays");
+    }
+}
+
+/// A curve that is thinner by the tolerance is hit later or not, one that is thicker earlier.
+void curves(Run& run, CurveBasis basis, CurveShape shape, const std::string& what) {
+    const Tufts tufts = random_strands(40, 3, basis, run.seed() + 112);
+    const auto exact = exact_curves(tufts, basis);
+    auto rays = random_rays(run.count<std::size_t>(800, 20'000), 4.f, 1.f, run.seed() + 113);
+    Random random(run.seed() + 114);
+    for (std::size_t i = 0; i < rays.size(); i += 2) {  // every second one at a curve
+        const glm::vec3 origin(rays[i].ox, rays[i].oy, rays[i].oz);
+        const ExactCurve& at = exact[random.below(std::uint32_t(exact.size()))];
+        rays[i] = make_ray(origin, glm::vec3(glm::dvec3(at.at(random.uniform()))) - origin);
+    }
+    constexpr double tolerance = 0.02 / 32 + 0.02 / 50;  // and the steps of the samples
+    std::vector<double> early, late;
+    for (const Ray& ray : rays) {
+        early.push_back(first_contact(exact, ray, tolerance, shape));
+        late.push_back(first_contact(exact, ray, -tolerance, shape));
+    }
+    Tally wrong, any;
+    for (const auto& [layout, name] : layouts)
+        for (const Builder builder : {Builder::fast, Builder::balanced}) {
+            const Primitives built = build_curves(run.device(), tufts.points, tufts.segments, basis, shape,
+                                                  {.builder = builder, .layout = layout});
+            const auto hits = closest_hit(built, rays);
+            const auto occluded = any_hit(built, rays);
+            for (std::size_t i = 0; i < rays.size(); ++i) {
+                const double unit = std::sqrt(double(rays[i].dx) * rays[i].dx + double(rays[i].dy) * rays[i].dy +
+                                              double(rays[i].dz) * rays[i].dz);
+                const double slack = shape == CurveShape::flat ? 0.2 / unit : 1e-6;  // that of its centre line
+                const bool hit = hits[i].primitive != CLARAY_MISS;
+                const bool right =
+                    hit ? hits[i].t >= early[i] - slack && hits[i].t <= late[i] + slack : std::isinf(late[i]);
+                if (wrong.add(right)) run.failure(what + ", " + name + ": " + text_of(rays[i]));
+                any.add((occluded[i] != 0) == hit);
+            }
+        }
+    run.check("wrong closest hits of " + what, wrong, "rays");
+    run.check("wrong any hits of " + what, any, "rays");
+}
+
+void curves(Run& run) {
+    for (const auto& [basis, basis_name] :
+         {std::pair(CurveBasis::bspline, "B-splines"), {CurveBasis::bezier, "Bezier"}})
+        for (const auto& [shape, shape_name] : {std::pair(CurveShape::round, "round"), {CurveShape::flat, "flat"}})
+            curves(run, basis, shape, std::string(shape_name) + ' ' + basis_name);
+}
+
+}  // namespace
+
+Cases primitive_cases() {
+    return {
+        {{"primitives", "queries", "Hits of spheres, discs and cylinders against 80-bit arithmetic"}, primitives},
+        {{"curves", "queries", "Hits of curves are within the tolerance of the exact curves"}, curves},
+    };
+}
+
+}  // namespace claray::verify
