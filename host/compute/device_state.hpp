@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 
 #include "claray/device.hpp"
@@ -49,11 +50,12 @@ struct Device::State {
     std::shared_ptr<MemoryUse> in_use = std::make_shared<MemoryUse>();
     unsigned failing_allocation = 0, failing_command = 0;  // for tests: see host/compute/memory.hpp
     int failing_with = 0;
-    std::map<std::string, unsigned> tuning;    // "kernel parameter" -> value, as resolved for this device
-    std::vector<std::string> tuning_warnings;  // see claray/tuning.hpp
-    std::shared_ptr<cl::Buffer> ray_queue;     // see host/trace/query_kernel.hpp; made when first used
-    std::mutex locked_mutex;                   // of the next two
-    std::shared_ptr<HostMemory> locked;        // see host/compute/read_back.hpp; made when first used
+    std::set<std::string>* kernels_run = nullptr;  // receives the functions of kernels: see verify::KernelsRun
+    std::map<std::string, unsigned> tuning;        // "kernel parameter" -> value, as resolved for this device
+    std::vector<std::string> tuning_warnings;      // see claray/tuning.hpp
+    std::shared_ptr<cl::Buffer> ray_queue;         // see host/trace/query_kernel.hpp; made when first used
+    std::mutex locked_mutex;                       // of the next two
+    std::shared_ptr<HostMemory> locked;            // see host/compute/read_back.hpp; made when first used
     std::size_t locked_bytes = 0;
 };
 

@@ -3,6 +3,7 @@
 #include <mutex>
 #include <regex>
 
+#include "host/compute/device_state.hpp"
 #include "host/compute/programs/kernel_sources.hpp"
 
 namespace claray {
@@ -36,19 +37,17 @@ std::mutex names_are_added;  // cases run pieces side by side
 }  // namespace
 
 KernelsRun::KernelsRun(const Device& device, bool wanted, std::set<std::string>& names)
-    : device_(device), wanted_(wanted), names_(names) {
-    if (!wanted_) return;
-    device_.profiler().keep_records(true);
-    first_ = device_.profiler().records().size();
+    : device_(device), wanted_(wanted), names_(names), before_(state_of(device).kernels_run) {
+    if (wanted_) state_of(device_).kernels_run = &run_;
 }
 
 KernelsRun::~KernelsRun() {
     if (!wanted_) return;
-    const std::vector<ProfileRecord>& records = device_.profiler().records();
+    state_of(device_).kernels_run = before_;
     const std::set<std::string> kernels = kernel_names();
     const std::lock_guard lock(names_are_added);
-    for (std::size_t i = first_; i < records.size(); ++i)
-        if (kernels.contains(records[i].name)) names_.insert(records[i].name);
+    for (const std::string& name : run_)
+        if (kernels.contains(name)) names_.insert(name);
 }
 
 }  // namespace verify

@@ -5,7 +5,8 @@
 
 namespace claray::verify {
 
-/// Collects the names of the kernels that run on a device until its end.
+/// Collects the functions of the kernels that run on a device until its end. Kernels may have other names where they
+/// run: those of a render are called after their stages.
 class KernelsRun {
 public:
     /// Does nothing unless `wanted`.
@@ -18,7 +19,8 @@ private:
     const Device& device_;
     bool wanted_;
     std::set<std::string>& names_;
-    std::size_t first_ = 0;  // of the profiler's records
+    std::set<std::string> run_;
+    std::set<std::string>* before_;  // of a KernelsRun around this one
 };
 
 }  // namespace claray::verify

@@ -1,7 +1,7 @@
 // The oracle of instances of `claray verify`, for the other tests.
 #pragma once
 
-#include "host/verify/instance_oracle.hpp"
+#include "host/verify/oracles/instance_oracle.hpp"
 #include "tests/oracle/brute_force.hpp"
 
 namespace claray::test {

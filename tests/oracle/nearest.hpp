@@ -1,7 +1,7 @@
 // The oracle of nearest points of `claray verify`, for the other tests.
 #pragma once
 
-#include "host/verify/nearest_oracle.hpp"
+#include "host/verify/oracles/nearest_oracle.hpp"
 
 namespace claray::test {
 

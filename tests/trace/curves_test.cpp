@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/verify/primitive_oracle.hpp"
+#include "host/verify/oracles/primitive_oracle.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/meshes.hpp"

@@ -12,7 +12,7 @@
 #include "claray/query/overlaps.hpp"
 #include "claray/query/points.hpp"
 #include "host/bvh/bvh_state.hpp"
-#include "host/verify/primitive_oracle.hpp"
+#include "host/verify/oracles/primitive_oracle.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/meshes.hpp"

@@ -128,6 +128,8 @@ void Kernel::enqueue(Range range, unsigned arguments) try {
     std::size_t global = range.global;
     if (range.local != 0) global = (global + range.local - 1) / range.local * range.local;
     fail_if_asked(state_of(*device_).failing_command, state_of(*device_).failing_with);
+    if (std::set<std::string>* const names = state_of(*device_).kernels_run)
+        names->insert(kernel_.getInfo<CL_KERNEL_FUNCTION_NAME>());
     device_->profiler().record(name_, [&](cl::Event* event) {
         device_->queue().enqueueNDRangeKernel(kernel_, cl::NullRange, cl::NDRange(global),
                                               range.local ? cl::NDRange(range.local) : cl::NullRange, nullptr, event);

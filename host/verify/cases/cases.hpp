@@ -28,6 +28,7 @@ using Cases = std::vector<Case>;
 [[nodiscard]] Cases shading_cases();
 [[nodiscard]] Cases gbuffer_cases();
 [[nodiscard]] Cases wave_cases();
+[[nodiscard]] Cases light_cases();
 [[nodiscard]] Cases sameness_cases();
 
 /// Traces with both layouts and compares every hit with exact arithmetic (triangles.cpp).

@@ -1,6 +1,6 @@
 // Instances, still and moving, against all triangles in the world in float64.
 #include "host/verify/cases/cases.hpp"
-#include "host/verify/instance_oracle.hpp"
+#include "host/verify/oracles/instance_oracle.hpp"
 #include "host/verify/placements.hpp"
 
 namespace claray::verify {

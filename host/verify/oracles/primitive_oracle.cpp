@@ -1,4 +1,4 @@
-#include "host/verify/primitive_oracle.hpp"
+#include "host/verify/oracles/primitive_oracle.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -9,8 +9,8 @@
 #include "claray/query/points.hpp"
 #include "host/verify/cases/cases.hpp"
 #include "host/verify/exact.hpp"
-#include "host/verify/nearest_oracle.hpp"
 #include "host/verify/oracle.hpp"
+#include "host/verify/oracles/nearest_oracle.hpp"
 #include "host/verify/shapes.hpp"
 
 namespace claray::verify {

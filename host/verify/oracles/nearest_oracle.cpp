@@ -1,4 +1,4 @@
-#include "host/verify/nearest_oracle.hpp"
+#include "host/verify/oracles/nearest_oracle.hpp"
 
 #include <algorithm>
 #include <array>

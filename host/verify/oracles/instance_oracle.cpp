@@ -1,4 +1,4 @@
-#include "host/verify/instance_oracle.hpp"
+#include "host/verify/oracles/instance_oracle.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "host/verify/cases/cases.hpp"
-#include "host/verify/primitive_oracle.hpp"
+#include "host/verify/oracles/primitive_oracle.hpp"
 
 namespace claray::verify {
 namespace {
