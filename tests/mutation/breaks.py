@@ -34,15 +34,15 @@ def numbers_of(file: str, line: str) -> list[int]:
     return [number for number, code in enumerate(code_lines(file), 1) if code == line]
 
 
-def read() -> list[Break]:
+def read(path: Path) -> list[Break]:
     """Blocks of lines "field: value"; a block begins with its name."""
     blocks: list[dict[str, str]] = []
-    for line in list_file.read_text().splitlines():
+    for line in path.read_text().splitlines():
         if not line or line.startswith("#"):
             continue
         field, _, value = line.partition(": ")
         if field not in fields or (field != "name" and not blocks):
-            raise SystemExit(f"{list_file.name}: '{line}' is no line of a break")
+            raise SystemExit(f"{path.name}: '{line}' is no line of a break")
         if field == "name":
             blocks.append({})
         blocks[-1][field] = value
