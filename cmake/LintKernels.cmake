@@ -138,7 +138,7 @@ message(STATUS "all ${count} kernels compile alone, for CPUs, GPUs and NVIDIA's"
 
 # What a scene does not call for costs nothing: of the functions for BSDFs, textures, lights and surfaces, the kernel with the macros of
 # the Cornell box calls only these. All effects of the list are off, so that a new one is, too.
-set(diffuse_functions "bsdf/(bsdf|kinds|lambert|types)|lights/(light|light_sixteen|light_triangle|light_types|lanes/view_lanes|lanes/triangle_lanes)|shade/surface(_at_hit|_lanes|_sixteen)?")
+set(diffuse_functions "bsdf/(bsdf|kinds|lambert|types)|lights/(light|light_sixteen|light_triangle|light_types|lanes/view_lanes|lanes/triangle_lanes)|shade/(path_segment|surface(_at_hit|_lanes|_sixteen)?)")
 set(passed_through "(eval|sample)_(layers|below_coat)|sample_base|shading_frame_of")  # return at once, or call the next
 set(macros -DMATERIALS=1)
 foreach(macro IN LISTS effect_macros)

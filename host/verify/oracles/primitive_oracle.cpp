@@ -88,27 +88,79 @@ Tufts random_strands(std::size_t count, std::uint32_t length, CurveBasis basis, 
     return tufts;
 }
 
-double first_contact(const std::vector<ExactCurve>& curves, const Ray& ray, double more, CurveShape shape) {
-    const glm::dvec3 o(ray.ox, ray.oy, ray.oz), d(ray.dx, ray.dy, ray.dz);
-    double best = std::numeric_limits<double>::infinity();
-    for (const ExactCurve& curve : curves) {
-        glm::dvec3 lo(1e9), hi(-1e9);  // of the control points: most rays pass far off
-        double r = 0;
-        for (const glm::dvec4& p : curve.p)
-            lo = glm::min(lo, glm::dvec3(p)), hi = glm::max(hi, glm::dvec3(p)), r = std::max(r, p.w);
-        const glm::dvec3 mid = 0.5 * (lo + hi) - o;
-        const double along = dot(mid, d) / dot(d, d);
-        if (length(mid - along * d) > 0.5 * length(hi - lo) + r + more) continue;
-        constexpr int samples = 300;
-        for (int i = 0; i <= samples; ++i) {
-            const glm::dvec4 c = curve.at(double(i) / samples);
-            const glm::dvec3 p = glm::dvec3(c) - o;
-            const double t = dot(p, d) / dot(d, d), r2 = (c.w + more) * (c.w + more), off = dot(p - t * d, p - t * d);
-            if (off > r2) continue;
-            best = std::min(best, shape == CurveShape::round ? t - std::sqrt((r2 - off) / dot(d, d)) : t);
-        }
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Where a ray passes a point of a curve's centre line.
+struct Passing {
+    double t, off2, radius;  ///< place along the ray, squared distance from it, and the curve's radius there
+    [[nodiscard]] bool within(double more) const { return off2 <= (radius + more) * (radius + more); }
+};
+
+Passing passing(const glm::dvec4& at, const glm::dvec3& o, const glm::dvec3& d) {
+    const glm::dvec3 p = glm::dvec3(at) - o;
+    const double t = dot(p, d) / dot(d, d);
+    return {t, dot(p - t * d, p - t * d), at.w};
+}
+
+bool may_pass(const ExactCurve& curve, const glm::dvec3& o, const glm::dvec3& d, double more) {
+    glm::dvec3 lo(1e9), hi(-1e9);  // of the control points: most rays pass far off
+    double r = 0;
+    for (const glm::dvec4& p : curve.p)
+        lo = glm::min(lo, glm::dvec3(p)), hi = glm::max(hi, glm::dvec3(p)), r = std::max(r, p.w);
+    const glm::dvec3 mid = 0.5 * (lo + hi) - o;
+    const double along = dot(mid, d) / dot(d, d);
+    return length(mid - along * d) <= 0.5 * length(hi - lo) + r + more;
+}
+
+/// The ray enters a round curve.
+void meet_tube(const std::vector<Passing>& samples, double dd, double tolerance, Contact* first) {
+    const auto entered = [&](const Passing& at, double more) {
+        const double r = at.radius + more;
+        return at.within(more) ? at.t - std::sqrt((r * r - at.off2) / dd) : infinity;
+    };
+    for (const Passing& at : samples) {
+        first->early = std::min(first->early, entered(at, tolerance));
+        first->late = std::min(first->late, entered(at, -tolerance));
     }
-    return best;
+}
+
+/// The ray passes a flat curve's centre line somewhere in a stretch of it that is within the radius.
+void meet_ribbon(const std::vector<Passing>& samples, double tolerance, Contact* first) {
+    double last = -infinity;
+    bool met = false;
+    const auto end_stretch = [&] {
+        if (met) first->late = std::min(first->late, last);
+        last = -infinity, met = false;
+    };
+    for (const Passing& at : samples) {
+        if (!at.within(tolerance)) {
+            end_stretch();
+            continue;
+        }
+        first->early = std::min(first->early, at.t);
+        last = std::max(last, at.t), met |= at.within(-tolerance);
+    }
+    end_stretch();
+}
+
+}  // namespace
+
+Contact first_contact(const std::vector<ExactCurve>& curves, const Ray& ray, double tolerance, CurveShape shape) {
+    const glm::dvec3 o(ray.ox, ray.oy, ray.oz), d(ray.dx, ray.dy, ray.dz);
+    constexpr int steps = 300;
+    Contact first;
+    std::vector<Passing> samples(steps + 1);
+    for (const ExactCurve& curve : curves) {
+        if (!may_pass(curve, o, d, tolerance)) continue;
+        for (int i = 0; i <= steps; ++i) samples[std::size_t(i)] = passing(curve.at(double(i) / steps), o, d);
+        if (shape == CurveShape::round)
+            meet_tube(samples, dot(d, d), tolerance, &first);
+        else
+            meet_ribbon(samples, tolerance, &first);
+    }
+    return first;
 }
 
 std::vector<ExactCurve> exact_curves(const Tufts& tufts, CurveBasis basis) {

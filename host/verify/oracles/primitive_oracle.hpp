@@ -2,6 +2,7 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -54,9 +55,12 @@ struct Tufts {
 /// Strands of `length` segments with a radius that varies.
 [[nodiscard]] Tufts random_strands(std::size_t count, std::uint32_t length, CurveBasis basis, std::uint64_t seed);
 [[nodiscard]] std::vector<ExactCurve> exact_curves(const Tufts& tufts, CurveBasis basis);
-/// Along the ray, the first distance at which it is within the radius, grown by `more`, of any of the curves; infinite
-/// if there is none.
-[[nodiscard]] double first_contact(const std::vector<ExactCurve>& curves, const Ray& ray, double more,
-                                   CurveShape shape);
+/// Where a ray meets the first curve: from `early` on, if all were thicker by a tolerance, and up to `late`, if all
+/// were thinner; infinite if it meets none.
+struct Contact {
+    double early = std::numeric_limits<double>::infinity(), late = early;
+};
+[[nodiscard]] Contact first_contact(const std::vector<ExactCurve>& curves, const Ray& ray, double tolerance,
+                                    CurveShape shape);
 
 }  // namespace claray::verify

@@ -74,11 +74,8 @@ void curves(Run& run, CurveBasis basis, CurveShape shape, const std::string& wha
         rays[i] = make_ray(origin, glm::vec3(glm::dvec3(at.at(random.uniform()))) - origin);
     }
     constexpr double tolerance = 0.02 / 32 + 0.02 / 50;  // and the steps of the samples
-    std::vector<double> early, late;
-    for (const Ray& ray : rays) {
-        early.push_back(first_contact(exact, ray, tolerance, shape));
-        late.push_back(first_contact(exact, ray, -tolerance, shape));
-    }
+    std::vector<Contact> contacts;
+    for (const Ray& ray : rays) contacts.push_back(first_contact(exact, ray, tolerance, shape));
     Tally wrong, any;
     for (const auto& [layout, name] : layouts)
         for (const Builder builder : {Builder::fast, Builder::balanced}) {
@@ -89,10 +86,10 @@ void curves(Run& run, CurveBasis basis, CurveShape shape, const std::string& wha
             for (std::size_t i = 0; i < rays.size(); ++i) {
                 const double unit = std::sqrt(double(rays[i].dx) * rays[i].dx + double(rays[i].dy) * rays[i].dy +
                                               double(rays[i].dz) * rays[i].dz);
-                const double slack = shape == CurveShape::flat ? 0.2 / unit : 1e-6;  // that of its centre line
+                const double slack = shape == CurveShape::flat ? 0.01 / unit : 1e-6;  // a step of the samples
+                const auto [early, late] = contacts[i];
                 const bool hit = hits[i].primitive != CLARAY_MISS;
-                const bool right =
-                    hit ? hits[i].t >= early[i] - slack && hits[i].t <= late[i] + slack : std::isinf(late[i]);
+                const bool right = hit ? hits[i].t >= early - slack && hits[i].t <= late + slack : std::isinf(late);
                 if (wrong.add(right)) run.failure(what + ", " + name + ": " + text_of(rays[i]));
                 any.add((occluded[i] != 0) == hit);
             }
