@@ -89,6 +89,8 @@ void own_images(Run& run) {
         const float cut_off[] = {float(renderer.cut_off())};
         others.compare("cornell cut off", cut_off);
     }
+    for (const char* const name : {"effect:instances", "effect:instance-motion", "effect:primitives"})
+        compare_render(run, images, name, *builtin_scene(name), small_image(16));
     const Scene cornell = *builtin_scene("cornell");
     RenderConfig config = small_image(32);
     config.adaptive = true;
