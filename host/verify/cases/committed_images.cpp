@@ -121,6 +121,13 @@ Scene many_lights() {
     for (const std::size_t i : {1u, 2u}) scene.meshes[i].materials.assign(scene.meshes[i].triangles.size(), 1);
     for (const glm::vec3& p : scene.meshes[1].positions)
         scene.meshes[1].normals.push_back(glm::normalize(p - glm::vec3(0.4f, 0.6f, 0.2f)));
+    for (const MaterialKind kind : {MaterialKind::glass, MaterialKind::mirror, MaterialKind::blinn_phong}) {
+        const auto number = std::uint32_t(scene.materials.size());
+        scene.materials.push_back(grey(0.8f));
+        scene.materials.back().kind = kind;
+        scene.meshes.push_back(sphere(2, 0.25f, {1.1f * float(number) - 3.6f, 0.3f, 1.4f}));
+        scene.meshes.back().materials.assign(scene.meshes.back().triangles.size(), number);
+    }
     Random random(3);
     for (int i = 0; i < 700; ++i) {
         Light light = point_light({random.uniform(-4, 4), random.uniform(0.05f, 0.8f), random.uniform(-4, 4)},
@@ -194,6 +201,20 @@ void denoised_images(Run& run) {
             renderer.render();
         }
     }
+    // Rough surfaces, textures and lenses, whose guides have noise, by common kernels.
+    const char* const noisy[] = {"effect:depth-of-field", "effect:metal", "effect:rough-glass", "effect:textures"};
+    RenderConfig common = small_image(4);
+    for (const char* const name : noisy) common.effects.add = common.effects.add | effects_of(*builtin_scene(name));
+    for (const char* const name : noisy) {
+        Renderer renderer(run.device(), *builtin_scene(name), common);
+        renderer.render();
+        images.compare_image(name + std::string(", denoised"), renderer.denoised(DenoiserKind::claray), common.width);
+    }
+    const RenderConfig config{.width = 512, .height = 384, .spp = 1, .seed = 5};
+    Renderer renderer(run.device(), *builtin_scene("spheres"), config);
+    renderer.render();
+    const auto image = renderer.denoised(DenoiserKind::claray);
+    images.compare("spheres, denoised and large", sums_of_blocks({&image[0].x, 3 * image.size()}, config.width, 3, 32));
     images.check("sums of light");
 }
 
