@@ -26,6 +26,21 @@ std::string expected_hash(const std::string& name) {
         {"hits sphere", "e02c6578d42b680a4efe3ca335d492a7"},
         {"hits grid", "e4bbe9bc424ddb6e632aedab90a7a9d6"},
         {"hits hair", "4ddacbbfbdfa68c326b556dc6920e721"},
+        {"tree walls fast", "3a52c0e0f74a1cf1b93b73e2baa49443"},
+        {"tree walls balanced", "696f676ef940f1c1bf1d34c1267feef3"},
+        {"tree walls high", "4327c172b4d045d90171585e79dae57a"},
+        {"tree walls binned", "4327c172b4d045d90171585e79dae57a"},
+        {"tree needles fast", "7231e67f7afd22b4791bd886c3f85403"},
+        {"tree needles balanced", "6aba79d7481159cfed28c82acc54fcd6"},
+        {"tree needles high", "4a62d2630a141ffdec54ee62fb783dd5"},
+        {"tree needles binned", "c1610569734ba2c5393350bf54ee4b0c"},
+        {"tree shards fast", "cfeb64023d682268a79808db100b364b"},
+        {"tree shards balanced", "d748ec48adda9ac5f60e82162fdcca44"},
+        {"tree shards high", "594490d4d9242a2cfe86faddc9077ff2"},
+        {"tree shards binned", "fdf86881d19d4e13d18202807230a69f"},
+        {"hits walls", "bda57ba4b4ce33e4c2af2f9a0289d89c"},
+        {"hits needles", "a2435036857ea3b6858e7a0c0f307a5b"},
+        {"hits shards", "bec63c1d815e16f7d74229a8ec4143e5"},
     };
     const auto found = hashes.find(name);
     return found == hashes.end() ? std::string() : found->second;

@@ -26,12 +26,36 @@ Mesh all_of(const Scene& scene) {
     return all;
 }
 
+Mesh joined(Mesh a, const Mesh& b) {
+    for (const glm::uvec3& t : b.triangles) a.triangles.push_back(t + std::uint32_t(a.positions.size()));
+    a.positions.insert(a.positions.end(), b.positions.begin(), b.positions.end());
+    return a;
+}
+
+/// Grids in planes across all axes: boxes that are flat, and costs that are equal.
+Mesh walls() {
+    Mesh x = grid(20), y = grid(20), z = grid(20);
+    for (glm::vec3& p : x.positions) p = {0.25f, p.x, p.y};
+    for (glm::vec3& p : y.positions) p = {p.x, 0.75f, p.y};
+    return joined(joined(x, y), z);
+}
+
+/// Needles along y that are as thin as the smallest extents by which bins divide.
+Mesh needles() {
+    Mesh mesh = soup(800, 0.1f, 9);
+    for (glm::vec3& p : mesh.positions) p.x *= 1e-18f, p.z *= 1e-18f, p.y = p.y > 0 ? 1.f + 0.1f * p.y : 0.1f * p.y;
+    return mesh;
+}
+
 /// The meshes whose hashes are committed; only + - * and square roots made them.
 std::vector<std::pair<std::string, Mesh>> hashed_meshes() {
     return {{"soup", soup(5003, 0.05f, 5)},
             {"sphere", sphere(4)},
             {"grid", grid(40)},
-            {"hair", all_of(*builtin_scene("hair:3000"))}};
+            {"hair", all_of(*builtin_scene("hair:3000"))},
+            {"walls", walls()},
+            {"needles", needles()},
+            {"shards", joined(soup(60, 1.f, 7), soup(3000, 0.02f, 8))}};
 }
 
 void compare_with_committed(Run& run, const std::string& name, const std::string& form, const std::string& hash,
