@@ -1,8 +1,12 @@
 // Images whose values are committed: of every effect alone and together, by the kernels of all scenes and by a scene's
 // own, and all else that renders give. Lights, layers of materials and samplers have no closed form together, but every
 // device must find the same light by the same random numbers.
+#include <algorithm>
+
 #include "claray/effects.hpp"
 #include "claray/renderer.hpp"
+#include "host/base/format.hpp"
+#include "host/verify/cases/bsdf.hpp"
 #include "host/verify/cases/cases.hpp"
 #include "host/verify/cases/expected_values.hpp"
 #include "host/verify/scenes.hpp"
@@ -69,48 +73,49 @@ void effect_images(Run& run) {
     surfaces.check("sums of depths, numbers, normals and albedos");
 }
 
-// ---- a scene's own kernels ---------------------------------------------------------------------------------------
+// ---- materials ---------------------------------------------------------------------------------------------------
 
-void own_images(Run& run) {
-    Committed images(run), others(run);
-    for (const char* const name : {"cornell", "spheres", "crate"}) {
-        const RenderConfig config = small_image(16);
-        Renderer renderer(run.device(), *builtin_scene(name), config);
-        renderer.render();
-        images.compare_image(name, renderer.image(), config.width);
-        others.compare(name + std::string(" surfaces"), numbers_of(renderer.aovs(), config.width));
-        if (name != std::string("cornell")) continue;
-        const std::vector<float> noise = renderer.noise_map();
-        others.compare("cornell noise", sums_of_blocks(noise, config.width, 1, 8));
-        const auto larger = renderer.image(40, 40);
-        others.compare("cornell in another size", sums_of_blocks({&larger[0].x, 3 * larger.size()}, 40, 3, 8));
-        others.compare("cornell in bytes",
-                       sums_of_blocks(as_floats(renderer.picture({.exposure = 1.f})), config.width, 4, 8));
-        const float cut_off[] = {float(renderer.cut_off())};
-        others.compare("cornell cut off", cut_off);
+/// Sums of samples with a weight for each, so that no two samples' errors cancel.
+void add_sums(const std::vector<Sampled>& samples, std::vector<float>& to) {
+    for (const auto member : {&Sampled::x, &Sampled::y, &Sampled::z, &Sampled::weight, &Sampled::pdf,
+                              &Sampled::eval_value, &Sampled::eval_pdf}) {
+        double sum = 0;
+        for (std::size_t i = 0; i < samples.size(); ++i)
+            if (samples[i].valid) sum += (1 + double(i * 7 % samples.size()) / 64) * std::min(samples[i].*member, 1e4f);
+        to.push_back(float(sum));
     }
-    for (const char* const name : {"effect:instances", "effect:instance-motion", "effect:primitives"})
-        compare_render(run, images, name, *builtin_scene(name), small_image(16));
-    const Scene cornell = *builtin_scene("cornell");
-    RenderConfig config = small_image(32);
-    config.adaptive = true;
-    Renderer adaptive(run.device(), cornell, config);
-    adaptive.render();
-    run.check("adaptive renders that give all pixels the same samples", 1, adaptive.statistics().adapted ? 0 : 1, 0, "");
-    images.compare_image("cornell, adaptive", adaptive.image(), config.width);
-    config = small_image(32);
-    config.error = 1e-6;
-    compare_render(run, images, "cornell to an error", cornell, config);
-    config = small_image(8);
-    config.sample_clamp = 0.5f;
-    compare_render(run, images, "cornell, clamped", cornell, config);
-    config.sample_clamp = 0, config.sampler = Sampler::independent;
-    compare_render(run, images, "cornell, independent samples", cornell, config);
-    images.check("sums of light");
-    others.check("other sums");
 }
 
-// ---- approximations ----------------------------------------------------------------------------------------------
+/// Samples by random numbers of all kinds, the least and the largest among them, and values for given directions.
+void bsdf_values(Run& run) {
+    Committed values(run);
+    std::vector<float> directions;
+    for (const double theta : {0.02, 0.5, 1.1, 1.55, 1.65, 2.2, 3.0})
+        for (const double phi : {0.3, 2.0, 3.44}) {
+            const glm::vec3 d = at_angle(theta, phi);
+            directions.insert(directions.end(), {d.x, d.y, d.z});
+        }
+    for (const Kind& kind : bsdf_kinds())
+        for (const float roughness : {0.f, 0.1f, 0.35f, 1.f}) {
+            const TestedMaterial material = tested(run.device(), kind, roughness);
+            std::vector<float> sums;
+            for (const double theta : {0.9, 1.5}) {
+                const glm::vec3 outgoing = at_angle(theta);
+                for (const std::uint32_t seed : {0xffffffffu, 5u}) add_sums(material.draw(outgoing, 64, seed), sums);
+                const auto [found, pdfs] = material.evaluate(outgoing, directions);
+                for (const std::vector<float>& all : {found, pdfs})
+                    for (std::size_t part = 0; part < 3; ++part) {
+                        double sum = 0;
+                        for (std::size_t i = part; i < all.size(); i += 3) sum += double(i + 8) * all[i];
+                        sums.push_back(float(sum));
+                    }
+            }
+            values.compare(printed("%s, roughness %.2f", kind.name, double(roughness)), sums);
+        }
+    values.check("sums of samples and values", 7);  // of one sample
+}
+
+// ---- a scene's own kernels ---------------------------------------------------------------------------------------
 
 /// Lights of every kind over a floor with balls, too many for one list.
 Scene many_lights() {
@@ -145,6 +150,51 @@ Scene many_lights() {
     scene.camera = Camera{{0.5f, 2.2f, 4.2f}, {0.f, 0.3f, 0.f}, {0, 1, 0}, 45.f};
     return scene;
 }
+
+void own_images(Run& run) {
+    Committed images(run), others(run);
+    for (const char* const name : {"cornell", "spheres", "crate"}) {
+        const RenderConfig config = small_image(16);
+        Renderer renderer(run.device(), *builtin_scene(name), config);
+        renderer.render();
+        images.compare_image(name, renderer.image(), config.width);
+        others.compare(name + std::string(" surfaces"), numbers_of(renderer.aovs(), config.width));
+        if (name != std::string("cornell")) continue;
+        const std::vector<float> noise = renderer.noise_map();
+        others.compare("cornell noise", sums_of_blocks(noise, config.width, 1, 8));
+        const auto larger = renderer.image(40, 40);
+        others.compare("cornell in another size", sums_of_blocks({&larger[0].x, 3 * larger.size()}, 40, 3, 8));
+        others.compare("cornell in bytes",
+                       sums_of_blocks(as_floats(renderer.picture({.exposure = 1.f})), config.width, 4, 8));
+        const float cut_off[] = {float(renderer.cut_off())};
+        others.compare("cornell cut off", cut_off);
+    }
+    for (const char* const name : {"effect:instances", "effect:instance-motion", "effect:primitives"})
+        compare_render(run, images, name, *builtin_scene(name), small_image(16));
+    Scene lights = many_lights();
+    compare_render(run, images, "many lights of short ranges", lights, small_image(8));
+    for (Light& light : lights.lights) light.range = 0.f;
+    compare_render(run, images, "many lights", lights, small_image(8));
+    const Scene cornell = *builtin_scene("cornell");
+    RenderConfig config = small_image(32);
+    config.adaptive = true;
+    Renderer adaptive(run.device(), cornell, config);
+    adaptive.render();
+    run.check("adaptive renders that give all pixels the same samples", 1, adaptive.statistics().adapted ? 0 : 1, 0, "");
+    images.compare_image("cornell, adaptive", adaptive.image(), config.width);
+    config = small_image(32);
+    config.error = 1e-6;
+    compare_render(run, images, "cornell to an error", cornell, config);
+    config = small_image(8);
+    config.sample_clamp = 0.5f;
+    compare_render(run, images, "cornell, clamped", cornell, config);
+    config.sample_clamp = 0, config.sampler = Sampler::independent;
+    compare_render(run, images, "cornell, independent samples", cornell, config);
+    images.check("sums of light");
+    others.check("other sums");
+}
+
+// ---- approximations ----------------------------------------------------------------------------------------------
 
 void approximate_images(Run& run) {
     Committed images(run);
@@ -250,6 +300,7 @@ Cases committed_cases() {
     return {
         {{"effect-images", "sameness", "Images of every effect have the committed light, by kernels with all effects"},
          effect_images},
+        {{"bsdf-values", "sameness", "Materials have the committed samples, densities and values"}, bsdf_values},
         {{"own-images", "sameness", "Images by a scene's own kernels, with all that a film tells, are the committed ones"},
          own_images},
         {{"approximate-images", "sameness", "Sums of tiles, light grids and other approximations are the committed ones"},

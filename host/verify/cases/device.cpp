@@ -123,6 +123,22 @@ void approximations(Run& run) {
     run.check("near_reciprocal", count, worst[0] * 0x1p24, 5, "* 2^-24");
     run.check("rough_reciprocal", count, worst[1] * 0x1p20, 1, "* 2^-20");
     run.check("near_sqrt", count, worst[2] * 0x1p21, 1, "* 2^-21");
+    // Builders divide by + - * and fma alone, which the host repeats.
+    const Buffer<float> strict(run.device(), 3 * std::size_t(count));
+    load_kernel(run.device(), "verify/strict_reciprocals.cl", "strict_reciprocals_of")
+        .run({count, 64}, count, arg("x", Buffer<float>(run.device(), x)), arg("out", strict));
+    const auto reciprocals = strict.read();
+    Tally wrong;
+    double off = 0;
+    for (std::size_t i = 0; i < reciprocals.size(); ++i) {
+        const float of = x[i / 3];
+        auto y = std::bit_cast<float>(0x7ef311c7u - std::bit_cast<std::uint32_t>(of));
+        for (int step = 0; step < 4; ++step) y = std::fma(y, std::fma(-of, y, 1.f), y);
+        wrong.add(reciprocals[i] == y);
+        off = std::max(off, std::abs(reciprocals[i] * double(of) - 1));
+    }
+    run.check("strict reciprocals that are not those of the host", wrong, "numbers");
+    run.check("strict reciprocals", reciprocals.size(), off * 0x1p24, 2, "* 2^-24");
 }
 
 void float_atomics(Run& run) {

@@ -25,9 +25,9 @@ public:
     void compare(const std::string& name, std::span<const float> values);
     /// The same for sums of blocks of 8 x 8 pixels.
     void compare_image(const std::string& name, std::span<const glm::vec3> image, unsigned width);
-    /// Records the checks. A path whose last bit decides where it goes may differ between devices, and with it a
-    /// block: so may one block of an image, and one value in 500 of all.
-    void check(const std::string& what) const;
+    /// Records the checks. A path whose last bit decides where it goes may differ between devices, and with it the
+    /// values of a block: so many may in one image, and one value in 500 of all.
+    void check(const std::string& what, std::uint64_t of_one = 3) const;
 
 private:
     Run& run_;

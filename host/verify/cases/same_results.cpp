@@ -32,18 +32,41 @@ Mesh joined(Mesh a, const Mesh& b) {
     return a;
 }
 
-/// Grids in planes across all axes: boxes that are flat, and costs that are equal.
+/// Triangles in planes across all axes, whose boxes are flat where they overlap.
 Mesh walls() {
-    Mesh x = grid(20), y = grid(20), z = grid(20);
-    for (glm::vec3& p : x.positions) p = {0.25f, p.x, p.y};
-    for (glm::vec3& p : y.positions) p = {p.x, 0.75f, p.y};
-    return joined(joined(x, y), z);
+    Mesh all;
+    for (int axis = 0; axis < 3; ++axis) {
+        Mesh wall = soup(500, 0.2f, 21 + std::uint64_t(axis));
+        for (glm::vec3& p : wall.positions) p[axis] = 0.25f * float(axis + 1);
+        all = joined(std::move(all), wall);
+    }
+    return all;
 }
 
-/// Needles along y that are as thin as the smallest extents by which bins divide.
-Mesh needles() {
-    Mesh mesh = soup(800, 0.1f, 9);
-    for (glm::vec3& p : mesh.positions) p.x *= 1e-18f, p.z *= 1e-18f, p.y = p.y > 0 ? 1.f + 0.1f * p.y : 0.1f * p.y;
+/// As thin as the smallest extents by which bins divide.
+Mesh tiny() {
+    Mesh mesh = soup(1000, 0.06f, 9);
+    for (glm::vec3& p : mesh.positions) p *= 2.5e-18f;
+    return mesh;
+}
+
+/// Each on a place of its own and mirrored there, so that splits come in pairs of the same cost but for roundings.
+Mesh mirrored() {
+    Random random(17);
+    Mesh mesh;
+    for (int place = 0; place < 128; ++place)
+        for (int triangle = 0; triangle < 24; ++triangle) {
+            const float size = triangle < 2 ? 0.5f : 0.03f;  // large ones, to be split, among small ones
+            const glm::vec3 center = random.in_cube(0.5f - size);
+            glm::vec3 corners[3];
+            for (glm::vec3& corner : corners) corner = glm::round((center + random.in_cube(size)) * 1024.f) / 1024.f;
+            for (const float side : {1.f, -1.f}) {
+                const auto first = std::uint32_t(mesh.positions.size());
+                for (const glm::vec3& c : corners)
+                    mesh.positions.emplace_back(side * c.x + float(place % 16), c.y + float(place / 16), c.z);
+                mesh.triangles.emplace_back(first, first + 1, first + 2);
+            }
+        }
     return mesh;
 }
 
@@ -54,7 +77,8 @@ std::vector<std::pair<std::string, Mesh>> hashed_meshes() {
             {"grid", grid(40)},
             {"hair", all_of(*builtin_scene("hair:3000"))},
             {"walls", walls()},
-            {"needles", needles()},
+            {"tiny", tiny()},
+            {"mirrored", mirrored()},
             {"shards", joined(soup(60, 1.f, 7), soup(3000, 0.02f, 8))}};
 }
 
@@ -106,6 +130,7 @@ void tree_hashes(Run& run) {
 void hit_hashes(Run& run) {
     Tally committed, same;
     for (const auto& [name, mesh] : hashed_meshes()) {
+        if (name == "tiny") continue;  // no ray meets it
         const auto rays = random_rays(run.count<std::size_t>(70'000, 70'000), 3.f, 0.8f, 77);
         std::vector<std::uint32_t> order(rays.size());
         for (std::size_t i = 0; i < rays.size(); ++i) order[i] = std::uint32_t(i * 31'337 % rays.size());
