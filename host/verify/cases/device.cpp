@@ -196,7 +196,31 @@ void sort_keys(Run& run, std::size_t count, std::uint64_t different, Tally& wron
     for (std::size_t i = 0; i < count; ++i) wrong.add(found[i] == order[i]);
 }
 
+/// Tiles that know the sum of all before them, among others that know only their own: all ways of ending, after any
+/// number of tiles.
+void look_backs(Run& run) {
+    constexpr std::uint32_t digits = 256, tile_only = 1u << 30, inclusive = 1u << 31;
+    const std::uint32_t tiles = run.count(64u, 4096u);
+    Random random(run.seed() + 73);
+    std::vector<std::uint32_t> states(std::size_t(tiles) * digits), before(states.size());
+    for (std::uint32_t digit = 0; digit < digits; ++digit)
+        for (std::uint32_t tile = 0, sum = 0; tile < tiles; ++tile) {
+            const std::uint32_t own = random.below(1000) * (random.below(4) != 0);
+            before[tile * digits + digit] = sum, sum += own;
+            const bool knows_all = tile == 0 || random.below(8) == 0;
+            states[tile * digits + digit] = knows_all ? inclusive | sum : tile_only | own;
+        }
+    const Buffer<std::uint32_t> sums(run.device(), states.size());
+    load_kernel(run.device(), "verify/look_back.cl", "look_back_at")
+        .run({states.size(), 64}, tiles, arg("states", Buffer<std::uint32_t>(run.device(), states)), arg("sums", sums));
+    const auto found = sums.read();
+    Tally wrong;
+    for (std::size_t i = 0; i < found.size(); ++i) wrong.add(found[i] == before[i]);
+    run.check("wrong numbers of keys in tiles before", wrong, "numbers");
+}
+
 void sort_order(Run& run) {
+    look_backs(run);
     for (const Form& form : build_forms(run.device())) {
         const ScopedForm set(run.device(), form);
         Tally wrong;

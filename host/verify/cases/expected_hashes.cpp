@@ -45,6 +45,10 @@ std::string expected_hash(const std::string& name) {
         {"tree mirrored binned", "a7355fc9b6224a0a7d6ca30d4fb3dff5"},
         {"hits walls", "4ca3815e84b35f95eb8fa5ca98b9634c"},
         {"hits mirrored", "174e797ec0595ecf9d77bf0724a52998"},
+        {"tree huge fast", "20b7e35140b95efb1394c6c2188ff85c"},
+        {"tree huge balanced", "8ba229d05043f0ac688c2f20e0d78112"},
+        {"tree huge high", "4ded717daf8bb990564bc6e6f269c7f1"},
+        {"tree huge binned", "4ded717daf8bb990564bc6e6f269c7f1"},
     };
     const auto found = hashes.find(name);
     return found == hashes.end() ? std::string() : found->second;

@@ -43,10 +43,8 @@ Mesh walls() {
     return all;
 }
 
-/// As thin as the smallest extents by which bins divide.
-Mesh tiny() {
-    Mesh mesh = soup(1000, 0.06f, 9);
-    for (glm::vec3& p : mesh.positions) p *= 2.5e-18f;
+Mesh scaled(Mesh mesh, float scale) {
+    for (glm::vec3& p : mesh.positions) p *= scale;
     return mesh;
 }
 
@@ -77,7 +75,8 @@ std::vector<std::pair<std::string, Mesh>> hashed_meshes() {
             {"grid", grid(40)},
             {"hair", all_of(*builtin_scene("hair:3000"))},
             {"walls", walls()},
-            {"tiny", tiny()},
+            {"tiny", scaled(soup(1000, 0.06f, 9), 2.5e-18f)},  // at the smallest extents by which bins divide
+            {"huge", scaled(soup(1000, 0.05f, 10), 3e9f)},     // beyond the cells of the Morton grid
             {"mirrored", mirrored()},
             {"shards", joined(soup(60, 1.f, 7), soup(3000, 0.02f, 8))}};
 }
@@ -130,7 +129,7 @@ void tree_hashes(Run& run) {
 void hit_hashes(Run& run) {
     Tally committed, same;
     for (const auto& [name, mesh] : hashed_meshes()) {
-        if (name == "tiny") continue;  // no ray meets it
+        if (name == "tiny" || name == "huge") continue;  // no ray meets one, all meet the other
         const auto rays = random_rays(run.count<std::size_t>(70'000, 70'000), 3.f, 0.8f, 77);
         std::vector<std::uint32_t> order(rays.size());
         for (std::size_t i = 0; i < rays.size(); ++i) order[i] = std::uint32_t(i * 31'337 % rays.size());
