@@ -211,6 +211,16 @@ void approximate_images(Run& run) {
         const ScopedTuning short_too(run.device(), "deferred/list_lights", "MOST_PER_BLOCK", 200);
         compare_render(run, images, "short lists of lights", lights, config);
     }
+    Scene aimed = many_lights();
+    const glm::vec3 target(2.5f, 0.f, -2.f);
+    for (Light& light : aimed.lights)
+        if (light.kind == LightKind::spot)
+            light.position = target + 0.5f * (light.position - glm::vec3(0.f, -0.2f, 0.f)),
+            light.direction = target - light.position, light.range = 0.f;
+    aimed.camera = narrow_camera(target + glm::vec3(0.f, 3.f, 0.1f), target);
+    RenderConfig tile = small_image(1);
+    tile.approximate.tile_sum = true;
+    compare_render(run, images, "spots that aim at a tile", aimed, tile);
     config = small_image(8);
     for (const auto flag : {&Approximations::flat, &Approximations::gouraud, &Approximations::no_shadows}) {
         config.approximate = {};
