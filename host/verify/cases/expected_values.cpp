@@ -86,7 +86,7 @@ void Committed::compare_image(const std::string& name, std::span<const glm::vec3
 }
 
 void Committed::check(const std::string& what, std::uint64_t of_one) const {
-    constexpr std::uint64_t spared = 500;
+    constexpr std::uint64_t spared = 1000;
     run_.check(what, tried_, double(wrong_), double(tried_ / spared + of_one), "values");
     run_.check(what + ", of one of them", tried_, double(most_wrong_), double(of_one), "values");
 }

@@ -26,7 +26,7 @@ public:
     /// The same for sums of blocks of 8 x 8 pixels.
     void compare_image(const std::string& name, std::span<const glm::vec3> image, unsigned width);
     /// Records the checks. A path whose last bit decides where it goes may differ between devices, and with it the
-    /// values of a block: so many may in one image, and one value in 500 of all.
+    /// values of a block: so many may in one image, and one value in 1000 of all.
     void check(const std::string& what, std::uint64_t of_one = 3) const;
 
 private:
