@@ -5,7 +5,7 @@
 #include "claray/renderer.hpp"
 #include "host/base/hash.hpp"
 #include "host/verify/cases/cases.hpp"
-#include "host/verify/cases/expected_hashes.hpp"
+#include "host/verify/cases/committed/expected_hashes.hpp"
 #include "host/verify/shapes.hpp"
 
 namespace claray::verify {

@@ -1,4 +1,4 @@
-#include "host/verify/cases/expected_hashes.hpp"
+#include "host/verify/cases/committed/expected_hashes.hpp"
 
 #include <map>
 

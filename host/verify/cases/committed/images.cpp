@@ -8,7 +8,7 @@
 #include "host/base/format.hpp"
 #include "host/verify/cases/bsdf.hpp"
 #include "host/verify/cases/cases.hpp"
-#include "host/verify/cases/expected_values.hpp"
+#include "host/verify/cases/committed/expected_values.hpp"
 #include "host/verify/scenes.hpp"
 #include "host/verify/shapes.hpp"
 
@@ -34,9 +34,7 @@ std::vector<float> numbers_of(const Aovs& aovs, unsigned width) {
     return all;
 }
 
-std::vector<float> as_floats(std::span<const std::uint8_t> bytes) {
-    return {bytes.begin(), bytes.end()};
-}
+std::vector<float> as_floats(std::span<const std::uint8_t> bytes) { return {bytes.begin(), bytes.end()}; }
 
 void compare_render(const Run& run, Committed& committed, const std::string& name, const Scene& scene,
                     const RenderConfig& config) {
@@ -181,7 +179,8 @@ void own_images(Run& run) {
     config.adaptive = true;
     Renderer adaptive(run.device(), cornell, config);
     adaptive.render();
-    run.check("adaptive renders that give all pixels the same samples", 1, adaptive.statistics().adapted ? 0 : 1, 0, "");
+    run.check("adaptive renders that give all pixels the same samples", 1, adaptive.statistics().adapted ? 0 : 1, 0,
+              "");
     images.compare_image("cornell, adaptive", adaptive.image(), config.width);
     config = small_image(32);
     config.error = 1e-6;
@@ -312,9 +311,11 @@ Cases committed_cases() {
         {{"effect-images", "sameness", "Images of every effect have the committed light, by kernels with all effects"},
          effect_images},
         {{"bsdf-values", "sameness", "Materials have the committed samples, densities and values"}, bsdf_values},
-        {{"own-images", "sameness", "Images by a scene's own kernels, with all that a film tells, are the committed ones"},
+        {{"own-images", "sameness",
+          "Images by a scene's own kernels, with all that a film tells, are the committed ones"},
          own_images},
-        {{"approximate-images", "sameness", "Sums of tiles, light grids and other approximations are the committed ones"},
+        {{"approximate-images", "sameness",
+          "Sums of tiles, light grids and other approximations are the committed ones"},
          approximate_images},
         {{"denoised-images", "sameness", "Stills and frames without noise are the committed ones"}, denoised_images},
         {{"guided-images", "sameness", "Guided paths bring the committed light"}, guided_images},

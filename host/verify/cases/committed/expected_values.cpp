@@ -1,4 +1,4 @@
-#include "host/verify/cases/expected_values.hpp"
+#include "host/verify/cases/committed/expected_values.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -38,7 +38,7 @@ std::vector<double> unpacked(std::string_view text) {
 
 const std::map<std::string_view, std::string_view>& committed_values() {
     static const std::map<std::string_view, std::string_view> values = {
-#include "host/verify/cases/expected_values.inc"
+#include "host/verify/cases/committed/expected_values.inc"
     };
     return values;
 }
@@ -67,7 +67,8 @@ std::vector<float> sums_of_blocks(std::span<const float> pixels, unsigned width,
 
 void Committed::compare(const std::string& name, std::span<const float> values) {
     const auto found = committed_values().find(name);
-    const std::vector<double> expected = found == committed_values().end() ? std::vector<double>() : unpacked(found->second);
+    const std::vector<double> expected =
+        found == committed_values().end() ? std::vector<double>() : unpacked(found->second);
     double mean = 0;
     for (const double e : expected) mean += std::abs(e) / double(expected.size());
     std::uint64_t wrong = expected.size() == values.size() ? 0 : values.size();
