@@ -150,6 +150,21 @@ Scene many_lights() {
     return scene;
 }
 
+/// A ball whose vertices have normals of all lengths: those that have no direction in float32 are left out.
+Scene ball_of_long_normals() {
+    Scene scene;
+    scene.materials = {grey(0.6f)};
+    scene.meshes = {square(2.f, -0.7f, 0), sphere(2, 0.7f, {0.1f, 0.f, 0.f})};
+    Mesh& ball = scene.meshes[1];
+    for (std::size_t i = 0; i < ball.positions.size(); ++i) {
+        constexpr float lengths[] = {1.f, 1e25f, 1.f, 1e-25f, 1.f, 1e-15f, 1e15f, 0.f};
+        ball.normals.push_back(lengths[i % 8] * glm::normalize(ball.positions[i] - glm::vec3(0.1f, 0.f, 0.f)));
+    }
+    scene.lights = {point_light({1.f, 2.f, 1.5f}, glm::vec3(4.f))};
+    scene.camera = Camera{{0.f, 0.8f, 3.f}, {0, 0, 0}, {0, 1, 0}, 40.f};
+    return scene;
+}
+
 void own_images(Run& run) {
     Committed images(run), others(run);
     for (const char* const name : {"cornell", "spheres", "crate"}) {
@@ -170,6 +185,7 @@ void own_images(Run& run) {
     }
     for (const char* const name : {"effect:instances", "effect:instance-motion", "effect:primitives"})
         compare_render(run, images, name, *builtin_scene(name), small_image(16));
+    compare_render(run, images, "normals of all lengths", ball_of_long_normals(), small_image(8));
     Scene lights = many_lights();
     compare_render(run, images, "many lights of short ranges", lights, small_image(8));
     for (Light& light : lights.lights) light.range = 0.f;
