@@ -154,7 +154,8 @@ Scene many_lights() {
 Scene ball_of_long_normals() {
     Scene scene;
     scene.materials = {grey(0.6f)};
-    scene.meshes = {square(2.f, -0.7f, 0), sphere(2, 0.7f, {0.1f, 0.f, 0.f})};
+    scene.meshes = {square(6.f, -0.7f, 0), sphere(2, 0.7f, {0.1f, 0.f, 0.f})};
+    scene.meshes[0].normals.assign(4, glm::vec3(1.3e38f, 2.7e38f, 0.f));
     Mesh& ball = scene.meshes[1];
     for (std::size_t i = 0; i < ball.positions.size(); ++i) {
         constexpr float lengths[] = {1.f, 1e25f, 1.f, 1e-25f, 1.f, 1e-15f, 1e15f, 0.f};
