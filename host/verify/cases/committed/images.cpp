@@ -51,6 +51,15 @@ bool has_surfaces_of_its_own(Effect effect) {
     return those.has(effect);
 }
 
+/// A model of the scene, whose texels are small, too.
+Scene in_small(Scene scene) {
+    constexpr float scale = 1.f / 256;
+    for (Mesh& mesh : scene.meshes)
+        for (glm::vec3& p : mesh.positions) p *= scale;
+    scene.camera->position *= scale, scene.camera->target *= scale;
+    return scene;
+}
+
 /// Kernels that have all effects render the scene of each.
 void effect_images(Run& run) {
     Committed images(run), surfaces(run);
@@ -66,6 +75,11 @@ void effect_images(Run& run) {
         images.compare_image(name, renderer.image(), config.width);
         if (has_surfaces_of_its_own(effect))
             surfaces.compare(name + " surfaces", numbers_of(renderer.aovs(), config.width));
+    }
+    for (const char* const name : {"effect:normal-maps", "effect:height-maps", "effect:anisotropy"}) {
+        RenderConfig config = small_image(8);
+        config.effects.add = full_effects();
+        compare_render(run, images, name + std::string(" in small"), in_small(*builtin_scene(name)), config);
     }
     images.check("sums of light");
     surfaces.check("sums of depths, numbers, normals and albedos");
@@ -189,6 +203,12 @@ void own_images(Run& run) {
     compare_render(run, images, "normals of all lengths", ball_of_long_normals(), small_image(8));
     Scene lights = many_lights();
     compare_render(run, images, "many lights of short ranges", lights, small_image(8));
+    Scene through_glass = lights;
+    through_glass.materials[2].roughness = 0.4f;
+    Light sun = point_light({}, glm::vec3(0.5f));
+    sun.kind = LightKind::sun, sun.direction = {-0.2f, -0.3f, 1.f}, sun.outer_angle = 0.4f;
+    through_glass.lights.push_back(sun);
+    compare_render(run, images, "many lights, and a sun behind rough glass", through_glass, small_image(16));
     for (Light& light : lights.lights) light.range = 0.f;
     compare_render(run, images, "many lights", lights, small_image(8));
     const Scene cornell = *builtin_scene("cornell");
