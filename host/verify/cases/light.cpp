@@ -272,8 +272,6 @@ Mesh lamp_square() {
 void direct_light(Run& run) {
     const std::vector<LitScene> scenes = {
         under_lights("three points", points(3, run.seed() + 121), 4),
-        under_lights("a grazing point",
-                     {point_light(glm::vec3(lit_point) + glm::vec3(3.f, 0.0015f, 0.f), glm::vec3(2e4f))}, 4),
         under_lights("points by lists", points(64, run.seed() + 122), 512),
         under_lights("lights of all kinds", all_kinds(run.seed() + 123), 512),
         under_lamp("a square lamp", lamp_square(), false, 512),

@@ -51,6 +51,19 @@ bool has_surfaces_of_its_own(Effect effect) {
     return those.has(effect);
 }
 
+/// A mirror and a metal, seen and left by rays within 0.03 degrees of their planes.
+Scene grazing_views() {
+    Scene scene;
+    scene.materials = {grey(0.9f), grey(0.7f)};
+    scene.materials[0].kind = MaterialKind::mirror;
+    scene.materials[1].kind = MaterialKind::metal, scene.materials[1].roughness = 0.04f;
+    scene.meshes = {square(1.f, 0.f, 0), square(1.f, 0.f, 1)};
+    for (glm::vec3& p : scene.meshes[1].positions) p.z += 2.f;
+    scene.sky.horizon = glm::vec3(0.5f, 0.7f, 0.9f), scene.sky.zenith = glm::vec3(2.f);
+    scene.camera = Camera{{4.f, 0.002f, 1.f}, {0.f, 0.f, 1.f}, {0, 1, 0}, 0.05f};
+    return scene;
+}
+
 /// A model of the scene, whose texels are small, too.
 Scene in_small(Scene scene) {
     constexpr float scale = 1.f / 256;
@@ -75,6 +88,11 @@ void effect_images(Run& run) {
         images.compare_image(name, renderer.image(), config.width);
         if (has_surfaces_of_its_own(effect))
             surfaces.compare(name + " surfaces", numbers_of(renderer.aovs(), config.width));
+    }
+    {
+        RenderConfig config = small_image(8);
+        config.effects.add = full_effects();
+        compare_render(run, images, "grazing views", grazing_views(), config);
     }
     for (const char* const name : {"effect:normal-maps", "effect:height-maps", "effect:anisotropy"}) {
         RenderConfig config = small_image(8);
