@@ -64,11 +64,13 @@ Scene grazing_views() {
     return scene;
 }
 
-/// A model of the scene, whose texels are small, too.
+/// A model of the scene, whose texels are small, too. Its tangents are short and lead elsewhere.
 Scene in_small(Scene scene) {
     constexpr float scale = 1.f / 256;
-    for (Mesh& mesh : scene.meshes)
+    for (Mesh& mesh : scene.meshes) {
         for (glm::vec3& p : mesh.positions) p *= scale;
+        if (!mesh.uvs.empty()) mesh.tangents.assign(mesh.positions.size(), {0.01f, 0.004f, 0.006f, -1.f});
+    }
     scene.camera->position *= scale, scene.camera->target *= scale;
     return scene;
 }
