@@ -87,7 +87,7 @@ static CLARAY_OUTLINED void see(PathState state, const Step* step, SCENE_PARAMET
                                 NextRay* next) {
     const FrameData* frame = &step->frame;
     const uint depth = step->depth;
-    Sight sight = {1.0f, 1.0f, 1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0u, 0u};
+    Sight sight = {1.0f, 1.0f, 1.0f};
     if (depth != 0u) sight = *seen;
     const Lights lights = lights_of(frame, SCENE);
     state.throughput_r = sight.throughput_r, state.throughput_g = sight.throughput_g, state.throughput_b = sight.throughput_b;
@@ -97,7 +97,9 @@ static CLARAY_OUTLINED void see(PathState state, const Step* step, SCENE_PARAMET
     float3 glow, albedo = (float3)(0.0f);
     ShadingPoint at;
     PathSegment segment = camera_segment(frame, ray, time);
-    segment.media = sight.media;
+#define CLARAY_LOAD(name, type, words, EFFECT) segment.name = sight.name;
+    CLARAY_ALONG_SIGHTS(CLARAY_LOAD)
+#undef CLARAY_LOAD
     const bool goes_on = arrive(0, step, &lights, 0u, SCENE, &segment, found, 0, &state, &glow, &at);
     if (hit.primitive != CLARAY_MISS) {
         if (depth == 0u) {
@@ -115,7 +117,10 @@ static CLARAY_OUTLINED void see(PathState state, const Step* step, SCENE_PARAMET
     }
     if (next->wanted) {
         sight.pdf = next->state.pdf;
-        if (NESTED_MEDIA) sight.media = next->segment.media;
+#define CLARAY_STORE(name, type, words, EFFECT) \
+        if (EFFECT) sight.name = next->segment.name;
+        CLARAY_ALONG_SIGHTS(CLARAY_STORE)
+#undef CLARAY_STORE
         sight.passed = max(sight.passed, next->state.pdf > 0.0f ? CLARAY_BY_GLOSS : CLARAY_BY_MIRROR);
         sight.throughput_r = next->state.throughput_r, sight.throughput_g = next->state.throughput_g;
         sight.throughput_b = next->state.throughput_b;

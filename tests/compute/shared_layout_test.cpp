@@ -127,7 +127,6 @@ const Field fields[] = {
     FIELD(FrameData, sky),
     FIELD(FrameData, seed),
     FIELD(FrameData, tables),
-    FIELD(SceneTables, media),
     FIELD(SceneTables, environment_cdf),
     FIELD(SceneTables, listed_pixels),
     FIELD(Step, frame),
