@@ -89,8 +89,6 @@ const Field fields[] = {
     FIELD(MaterialData, roughness),
     FIELD(MaterialData, ior),
     FIELD(MaterialData, thin_walled),
-    FIELD(MaterialData, medium),
-    FIELD(MediumData, absorption_b),
     FIELD(MaterialData, layers),
     FIELD(MaterialData, film_thickness),
     FIELD(MaterialData, coat_z),
