@@ -87,7 +87,8 @@ static CLARAY_OUTLINED void see(PathState state, const Step* step, SCENE_PARAMET
                                 NextRay* next) {
     const FrameData* frame = &step->frame;
     const uint depth = step->depth;
-    Sight sight = {1.0f, 1.0f, 1.0f};
+    Sight sight = {0};
+    sight.throughput_r = sight.throughput_g = sight.throughput_b = 1.0f;
     if (depth != 0u) sight = *seen;
     const Lights lights = lights_of(frame, SCENE);
     state.throughput_r = sight.throughput_r, state.throughput_g = sight.throughput_g, state.throughput_b = sight.throughput_b;
