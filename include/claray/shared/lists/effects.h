@@ -41,6 +41,7 @@
     X(anisotropy, "anisotropy", ANISOTROPY, 0, shade, CLARAY_LANES_ALL, CLARAY_OF_BSDF)                                     \
     X(sheen, "sheen", SHEEN, 0, shade, CLARAY_LANES_ALL, CLARAY_OF_BSDF)                                                    \
     X(absorption, "absorption", ABSORPTION, 0, shade, CLARAY_LANES_SHADE, 0)                                                \
+    X(nested_media, "nested-media", NESTED_MEDIA, 0, shade, CLARAY_LANES_NONE, 0)                                           \
     X(fog, "fog", FOG, 0, shade, CLARAY_LANES_NONE, CLARAY_EMITS)                                                           \
     X(emissive_triangles, "emissive-triangles", TRIANGLE_LIGHTS, 0, shade, CLARAY_LANES_ALL, CLARAY_SAMPLED | CLARAY_EMITS) \
     CLARAY_LIGHT_KINDS(LIGHT)                                                                                               \

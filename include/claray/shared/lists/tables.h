@@ -8,6 +8,8 @@
     X(normals)            /* float, 3 per vertex */                  \
     X(triangle_materials) /* uint */                                 \
     X(materials)          /* MaterialData */                         \
+    X(media_ranks)        /* uint, 1 per material: the rank of its medium, or 0 */ \
+    X(media)              /* float4 by rank: index of refraction, and absorption per unit of length */ \
     X(energy)             /* float, see energy.h */                  \
     X(triangle_lights)    /* TriangleLight */                        \
     X(punctual_lights)    /* PunctualLight */                        \
