@@ -70,11 +70,13 @@ TEST(DenoisedStills, KeepTheMean) {
     EXPECT_NEAR(mean_of(box().renderer.denoised(DenoiserKind::claray)) / mean_of(box().reference), 1, 0.03);
 }
 
-/// The denoiser leaves alone what cameras see of lamps. Fog before them belongs to it.
+/// The denoiser leaves alone what cameras see of lamps. Glass around them and fog before them belong to it.
 TEST(DenoisedStills, ShowLampsInGlassAndInFogAsTheFilmDoes) {
-    Scene foggy = *builtin_scene("cornell");
+    Scene lamp_in_glass = *builtin_scene("effect:nested-media"), foggy = *builtin_scene("cornell");
+    lamp_in_glass.materials.emplace_back().emission = glm::vec3(5.f);
+    for (std::uint32_t& material : lamp_in_glass.meshes.back().materials) material = 3;  // the ball in the glass
     foggy.sky.fog_color = {0.6f, 0.65f, 0.7f}, foggy.sky.fog_density = 0.3f;
-    for (const Scene& scene : {foggy}) {
+    for (const Scene& scene : {lamp_in_glass, foggy}) {
         Renderer renderer(device(), scene, {.width = side, .height = side, .spp = 1024});
         (void)renderer.render();
         const Image reference = renderer.image();

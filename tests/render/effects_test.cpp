@@ -92,7 +92,7 @@ TEST(Effects, SetsHaveRoomForMoreThanAWord) {
 TEST(Effects, TellWhatSixteenRaysAtOnceKnow) {
     const EffectSet diffuse = {Effect::lambert, Effect::emissive_triangles, Effect::smooth_normals, Effect::sky};
     EXPECT_TRUE(have_lanes(diffuse, CLARAY_LANES_SHADE));
-    for (const Effect unknown : {Effect::textures, Effect::instances, Effect::vertex_colors}) {
+    for (const Effect unknown : {Effect::textures, Effect::instances, Effect::vertex_colors, Effect::nested_media}) {
         EXPECT_FALSE(have_lanes(diffuse | EffectSet{unknown}, CLARAY_LANES_SHADE)) << name_of(unknown);
         EXPECT_FALSE(have_lanes(diffuse | EffectSet{unknown}, CLARAY_LANES_LISTS)) << name_of(unknown);
     }

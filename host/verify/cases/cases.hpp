@@ -22,6 +22,7 @@ using Cases = std::vector<Case>;
 [[nodiscard]] Cases query_cases();
 [[nodiscard]] Cases primitive_cases();
 [[nodiscard]] Cases material_cases();
+[[nodiscard]] Cases media_cases();
 [[nodiscard]] Cases image_cases();
 [[nodiscard]] Cases harmonics_cases();
 [[nodiscard]] Cases shading_cases();
