@@ -182,7 +182,7 @@ static inline float3 variances_of_means(float3 sums, float3 squares, uint n) {
 /// Adds further rays to those of `all`. `of_film`: the share of these among the film's samples that are now traced.
 static inline void merge_guides(Guide* all, const Guide* more, float of_film) {
     const float share = (float)more->rays / (float)(all->rays + more->rays), rest = 1.0f - share;
-#define MIXED(member) all->member = mix(all->member, more->member, share)
+#define MIXED(member) all->member = lerp(all->member, more->member, share)
     const float shift = luminance((float3)(more->glow_r + more->gloss_r, more->glow_g + more->gloss_g, more->glow_b + more->gloss_b) -
                                   (float3)(all->glow_r + all->gloss_r, all->glow_g + all->gloss_g, all->glow_b + all->gloss_b));
     MIXED(ray_variance), all->ray_variance += share * rest * shift * shift;
@@ -191,7 +191,7 @@ static inline void merge_guides(Guide* all, const Guide* more, float of_film) {
     MIXED(gloss_r), MIXED(gloss_g), MIXED(gloss_b);
     MIXED(mirrored), MIXED(normal_x), MIXED(normal_y), MIXED(normal_z), MIXED(nearness);
 #undef MIXED
-#define MIXED(member) all->member = mix(all->member, more->member, of_film)
+#define MIXED(member) all->member = lerp(all->member, more->member, of_film)
     MIXED(sampled_albedo_r), MIXED(sampled_albedo_g), MIXED(sampled_albedo_b);
     MIXED(sampled_glow_r), MIXED(sampled_glow_g), MIXED(sampled_glow_b);
 #undef MIXED
@@ -278,7 +278,7 @@ kernel void find_edges(uint width, uint height, global const Glow* glows, global
     // Few rays may have missed what others nearby have met, and all of them a border between two pixels. The part of the pixel beyond that
     // border becomes smaller with the number of rays, too.
     const float missed = fmin(FEW_RAYS / (float)glows[i].rays, 1.0f);
-    variance = mix(glows[i].variance, variance + missed * fmax(second - first * first, 0.0f), missed);
+    variance = lerp(glows[i].variance, variance + missed * fmax(second - first * first, 0.0f), missed);
     const bool is_edge = variance > LEAST_NOISE * LEAST_NOISE * most * most;  // a slow gradient, as in the sky, is none
     const int exponent = (int)(as_uint(variance) >> 23) - 127;
     const uchar class = is_edge ? (uchar)clamp(exponent + (int)CLARAY_EDGE_CLASSES / 2, 0, (int)CLARAY_EDGE_CLASSES - 1) : (uchar)CLARAY_EDGE_CLASSES;
