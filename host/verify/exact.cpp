@@ -54,6 +54,22 @@ int side_of(const Ray& r, const glm::vec3& a, const glm::vec3& b) {
     return sign_of_sum(terms);
 }
 
+int side_of_plane(const glm::vec3& point, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+    // det(a, b, c) - det(p, b, c) - det(a, p, c) - det(a, b, p), term by term
+    const glm::dvec3 p(point), rows[4][3] = {{a, b, c}, {p, b, c}, {a, p, c}, {a, b, p}};
+    double terms[48];
+    double* to = terms;
+    for (const auto& [first, second, third] : rows) {
+        const double sign = to == terms ? 1 : -1;
+        for (int x = 0; x < 3; ++x) {
+            const int y = (x + 1) % 3, z = (x + 2) % 3;
+            add_product(first[x], second[y], third[z], sign, to), to += 2;
+            add_product(first[x], second[z], third[y], -sign, to), to += 2;
+        }
+    }
+    return sign_of_sum(terms);
+}
+
 Place place_of(const Ray& ray, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
     const int u = side_of(ray, b, c), v = side_of(ray, c, a), w = side_of(ray, a, b);
     if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return Place::outside;

@@ -16,6 +16,9 @@ namespace claray::verify {
 /// passes.
 [[nodiscard]] int side_of(const Ray& ray, const glm::vec3& a, const glm::vec3& b);
 
+/// The sign of det(a - point, b - point, c - point): on which side of the triangle's plane the point is.
+[[nodiscard]] int side_of_plane(const glm::vec3& point, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c);
+
 enum class Place { outside, border, inside };
 /// Where the ray's line passes a triangle. One in the triangle's plane is outside.
 [[nodiscard]] Place place_of(const Ray& ray, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c);

@@ -43,4 +43,19 @@ std::vector<Instance> moved(std::span<const Instance> begins, float far, std::ui
     return ends;
 }
 
+std::vector<Instance> moved_in_part(std::span<const Instance> begins, float far, std::uint64_t seed) {
+    std::vector<Instance> ends = moved(begins, far, seed);
+    for (std::size_t i = 0; i < ends.size(); ++i) {
+        Instance& end = ends[i];
+        const Instance& begin = begins[i];
+        for (unsigned k = 0; k < 4; ++k) {
+            float* const to[] = {&end.row0[k], &end.row1[k], &end.row2[k]};
+            const float from[] = {begin.row0[k], begin.row1[k], begin.row2[k]};
+            for (unsigned row = 0; row < 3; ++row)
+                if (row != i % 3) *to[row] = from[row];
+        }
+    }
+    return ends;
+}
+
 }  // namespace claray::verify

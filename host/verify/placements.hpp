@@ -18,5 +18,7 @@ std::vector<Instance> random_instances(std::size_t count, std::uint32_t bottoms,
 
 /// Where they go: up to an eighth of a turn, a stretch, and a way of up to `far`.
 std::vector<Instance> moved(std::span<const Instance> begins, float far, std::uint64_t seed);
+/// The same along one axis only: other rows of the transforms stay.
+std::vector<Instance> moved_in_part(std::span<const Instance> begins, float far, std::uint64_t seed);
 
 }  // namespace claray::verify

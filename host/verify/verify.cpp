@@ -24,7 +24,7 @@ const Cases& entries() {
         for (const auto& family :
              {device_cases, edge_cases, triangle_cases, box_cases, tree_cases, refit_cases, instance_cases, query_cases,
               primitive_cases, material_cases, media_cases, image_cases, harmonics_cases, shading_cases, gbuffer_cases,
-              wave_cases, light_cases, sameness_cases})
+              wave_cases, random_cases, light_cases, sameness_cases, committed_cases})
             for (const Case& one : family()) joined.push_back(one);
         return joined;
     }();

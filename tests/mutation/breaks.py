@@ -6,7 +6,7 @@ from pathlib import Path
 from kernel_code import root, without_comments
 
 list_file = Path(__file__).with_name("breaks.txt")
-fields = ("name", "rule", "file", "line", "which", "to", "equivalent")
+fields = ("name", "rule", "file", "line", "which", "to", "equivalent", "elsewhere")
 
 
 @dataclass
@@ -18,6 +18,7 @@ class Break:
     which: int  # of the equal lines of the file, from 1
     to: str
     equivalent: str = ""  # the reason why no result can change
+    elsewhere: str = ""  # the reason why no result can change on PoCL, although it may on other devices
 
     def number(self) -> int | None:
         """Of the line, from 1; None if the file has it no longer."""

@@ -30,6 +30,8 @@ using Cases = std::vector<Case>;
 [[nodiscard]] Cases wave_cases();
 [[nodiscard]] Cases light_cases();
 [[nodiscard]] Cases sameness_cases();
+[[nodiscard]] Cases random_cases();
+[[nodiscard]] Cases committed_cases();
 
 /// Traces with both layouts and compares every hit with exact arithmetic (triangles.cpp).
 void judge(Run& run, const Mesh& mesh, const std::vector<Ray>& rays, const std::string& what,

@@ -123,6 +123,22 @@ void approximations(Run& run) {
     run.check("near_reciprocal", count, worst[0] * 0x1p24, 5, "* 2^-24");
     run.check("rough_reciprocal", count, worst[1] * 0x1p20, 1, "* 2^-20");
     run.check("near_sqrt", count, worst[2] * 0x1p21, 1, "* 2^-21");
+    // Builders divide by + - * and fma alone, which the host repeats.
+    const Buffer<float> strict(run.device(), 3 * std::size_t(count));
+    load_kernel(run.device(), "verify/strict_reciprocals.cl", "strict_reciprocals_of")
+        .run({count, 64}, count, arg("x", Buffer<float>(run.device(), x)), arg("out", strict));
+    const auto reciprocals = strict.read();
+    Tally wrong;
+    double off = 0;
+    for (std::size_t i = 0; i < reciprocals.size(); ++i) {
+        const float of = x[i / 3];
+        auto y = std::bit_cast<float>(0x7ef311c7u - std::bit_cast<std::uint32_t>(of));
+        for (int step = 0; step < 4; ++step) y = std::fma(y, std::fma(-of, y, 1.f), y);
+        wrong.add(reciprocals[i] == y);
+        off = std::max(off, std::abs(reciprocals[i] * double(of) - 1));
+    }
+    run.check("strict reciprocals that are not those of the host", wrong, "numbers");
+    run.check("strict reciprocals", reciprocals.size(), off * 0x1p24, 2, "* 2^-24");
 }
 
 void float_atomics(Run& run) {
@@ -180,7 +196,31 @@ void sort_keys(Run& run, std::size_t count, std::uint64_t different, Tally& wron
     for (std::size_t i = 0; i < count; ++i) wrong.add(found[i] == order[i]);
 }
 
+/// Tiles that know the sum of all before them, among others that know only their own: all ways of ending, after any
+/// number of tiles.
+void look_backs(Run& run) {
+    constexpr std::uint32_t digits = 256, tile_only = 1u << 30, inclusive = 1u << 31;
+    const std::uint32_t tiles = run.count(64u, 4096u);
+    Random random(run.seed() + 73);
+    std::vector<std::uint32_t> states(std::size_t(tiles) * digits), before(states.size());
+    for (std::uint32_t digit = 0; digit < digits; ++digit)
+        for (std::uint32_t tile = 0, sum = 0; tile < tiles; ++tile) {
+            const std::uint32_t own = random.below(1000) * (random.below(4) != 0);
+            before[tile * digits + digit] = sum, sum += own;
+            const bool knows_all = tile == 0 || random.below(8) == 0;
+            states[tile * digits + digit] = knows_all ? inclusive | sum : tile_only | own;
+        }
+    const Buffer<std::uint32_t> sums(run.device(), states.size());
+    load_kernel(run.device(), "verify/look_back.cl", "look_back_at")
+        .run({states.size(), 64}, tiles, arg("states", Buffer<std::uint32_t>(run.device(), states)), arg("sums", sums));
+    const auto found = sums.read();
+    Tally wrong;
+    for (std::size_t i = 0; i < found.size(); ++i) wrong.add(found[i] == before[i]);
+    run.check("wrong numbers of keys in tiles before", wrong, "numbers");
+}
+
 void sort_order(Run& run) {
+    look_backs(run);
     for (const Form& form : build_forms(run.device())) {
         const ScopedForm set(run.device(), form);
         Tally wrong;

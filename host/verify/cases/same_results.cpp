@@ -26,12 +26,59 @@ Mesh all_of(const Scene& scene) {
     return all;
 }
 
+Mesh joined(Mesh a, const Mesh& b) {
+    for (const glm::uvec3& t : b.triangles) a.triangles.push_back(t + std::uint32_t(a.positions.size()));
+    a.positions.insert(a.positions.end(), b.positions.begin(), b.positions.end());
+    return a;
+}
+
+/// Triangles in planes across all axes, whose boxes are flat where they overlap.
+Mesh walls() {
+    Mesh all;
+    for (int axis = 0; axis < 3; ++axis) {
+        Mesh wall = soup(500, 0.2f, 21 + std::uint64_t(axis));
+        for (glm::vec3& p : wall.positions) p[axis] = 0.25f * float(axis + 1);
+        all = joined(std::move(all), wall);
+    }
+    return all;
+}
+
+Mesh scaled(Mesh mesh, float scale) {
+    for (glm::vec3& p : mesh.positions) p *= scale;
+    return mesh;
+}
+
+/// Each on a place of its own and mirrored there, so that splits come in pairs of the same cost but for roundings.
+Mesh mirrored() {
+    Random random(17);
+    Mesh mesh;
+    for (int place = 0; place < 128; ++place)
+        for (int triangle = 0; triangle < 24; ++triangle) {
+            const float size = triangle < 2 ? 0.5f : 0.03f;  // large ones, to be split, among small ones
+            const glm::vec3 center = random.in_cube(0.5f - size);
+            glm::vec3 corners[3];
+            for (glm::vec3& corner : corners) corner = glm::round((center + random.in_cube(size)) * 1024.f) / 1024.f;
+            for (const float side : {1.f, -1.f}) {
+                const auto first = std::uint32_t(mesh.positions.size());
+                for (const glm::vec3& c : corners)
+                    mesh.positions.emplace_back(side * c.x + float(place % 16), c.y + float(place / 16), c.z);
+                mesh.triangles.emplace_back(first, first + 1, first + 2);
+            }
+        }
+    return mesh;
+}
+
 /// The meshes whose hashes are committed; only + - * and square roots made them.
 std::vector<std::pair<std::string, Mesh>> hashed_meshes() {
     return {{"soup", soup(5003, 0.05f, 5)},
             {"sphere", sphere(4)},
             {"grid", grid(40)},
-            {"hair", all_of(*builtin_scene("hair:3000"))}};
+            {"hair", all_of(*builtin_scene("hair:3000"))},
+            {"walls", walls()},
+            {"tiny", scaled(soup(1000, 0.06f, 9), 2.5e-18f)},  // at the smallest extents by which bins divide
+            {"huge", scaled(soup(1000, 0.05f, 10), 3e9f)},     // beyond the cells of the Morton grid
+            {"mirrored", mirrored()},
+            {"shards", joined(soup(60, 1.f, 7), soup(3000, 0.02f, 8))}};
 }
 
 void compare_with_committed(Run& run, const std::string& name, const std::string& form, const std::string& hash,
@@ -82,6 +129,7 @@ void tree_hashes(Run& run) {
 void hit_hashes(Run& run) {
     Tally committed, same;
     for (const auto& [name, mesh] : hashed_meshes()) {
+        if (name == "tiny" || name == "huge") continue;  // no ray meets one, all meet the other
         const auto rays = random_rays(run.count<std::size_t>(70'000, 70'000), 3.f, 0.8f, 77);
         std::vector<std::uint32_t> order(rays.size());
         for (std::size_t i = 0; i < rays.size(); ++i) order[i] = std::uint32_t(i * 31'337 % rays.size());

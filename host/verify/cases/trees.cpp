@@ -335,6 +335,231 @@ void rebuilds(Run& run) {
     }
 }
 
+// ---- validation --------------------------------------------------------------------------------------------------
+
+struct Range3 {
+    glm::vec3 lo, hi;
+    [[nodiscard]] bool contains(const Range3& b) const {
+        return glm::all(glm::lessThanEqual(lo, b.lo)) && glm::all(glm::lessThanEqual(b.hi, hi));
+    }
+    [[nodiscard]] bool meets(const Range3& b) const {
+        return glm::all(glm::lessThanEqual(lo, b.hi)) && glm::all(glm::lessThanEqual(b.lo, hi));
+    }
+    [[nodiscard]] bool holds(const glm::dvec3& p, const glm::dvec3& slack) const {
+        return glm::all(glm::lessThanEqual(glm::dvec3(lo) - slack, p)) &&
+               glm::all(glm::lessThanEqual(p, glm::dvec3(hi) + slack));
+    }
+};
+
+Range3 box_of(const BvhNode& n, unsigned side) {
+    return side == 0 ? Range3{{n.lo0x, n.lo0y, n.lo0z}, {n.hi0x, n.hi0y, n.hi0z}}
+                     : Range3{{n.lo1x, n.lo1y, n.lo1z}, {n.hi1x, n.hi1y, n.hi1z}};
+}
+
+Range3 box_of(const LeafTriangle& t) {
+    const glm::vec3 a(t.v0x, t.v0y, t.v0z), b(t.v1x, t.v1y, t.v1z), c(t.v2x, t.v2y, t.v2z);
+    return {glm::min(glm::min(a, b), c), glm::max(glm::max(a, b), c)};
+}
+
+/// A copy of a tree, to be damaged and validated.
+struct OpenTree {
+    explicit OpenTree(const Bvh& of)
+        : bvh(of), nodes(state_of(of).nodes.read()), leaves(state_of(of).leaves.read()),
+          header(state_of(of).header.read()[0]) {}
+
+    [[nodiscard]] BvhValidation validated() const {
+        Buffer<BvhNode>(state_of(bvh).nodes).write(nodes);
+        Buffer<LeafTriangle>(state_of(bvh).leaves).write(leaves);
+        return bvh.validate();
+    }
+
+    Bvh bvh;
+    std::vector<BvhNode> nodes;
+    std::vector<LeafTriangle> leaves;
+    BvhHeader header;
+};
+
+/// What a tree without split triangles must be told of.
+BvhValidation expected_of(const OpenTree& tree) {
+    BvhValidation v;
+    const std::uint32_t inner = tree.header.inner_nodes, valid = tree.header.valid;
+    std::vector<unsigned> whole(valid), parts(valid);
+    for (std::uint32_t i = 0; i < inner; ++i) {
+        const BvhNode& node = tree.nodes[i];
+        if (node.child0 == CLARAY_NO_CHILD) continue;  // free
+        v.links_broken += node.parent == CLARAY_NO_CHILD && tree.header.root != i;
+        for (const unsigned side : {0u, 1u}) {
+            const std::uint32_t child = side == 0 ? node.child0 : node.child1;
+            const Range3 box = box_of(node, side);
+            if ((child & CLARAY_LEAF) == 0) {
+                if (child >= inner || tree.nodes[child].child0 == CLARAY_NO_CHILD) {
+                    ++v.links_broken;
+                    continue;
+                }
+                const Range3 a = box_of(tree.nodes[child], 0), b = box_of(tree.nodes[child], 1);
+                v.boxes_not_containing += !box.contains({glm::min(a.lo, b.lo), glm::max(a.hi, b.hi)});
+                v.links_broken += tree.nodes[child].parent != i;
+                continue;
+            }
+            const std::uint32_t first = child & CLARAY_SLOT, count = CLARAY_LEAF_COUNT(child);
+            if (first + count > valid) {
+                ++v.links_broken;
+                continue;
+            }
+            for (std::uint32_t k = first; k < first + count; ++k) {
+                const LeafTriangle& leaf = tree.leaves[k];
+                if (leaf.primitive >= valid)
+                    ++v.links_broken;
+                else if (box.contains(box_of(leaf)))
+                    ++whole[leaf.primitive];
+                else if (box.meets(box_of(leaf)))
+                    ++parts[leaf.primitive];
+                else
+                    ++v.boxes_not_containing;
+            }
+        }
+    }
+    for (std::uint32_t i = 0; i < valid; ++i) {
+        v.leaves_missing += whole[i] + parts[i] == 0;
+        v.leaves_repeated += whole[i] + parts[i] > 1;
+        v.boxes_not_containing += whole[i] == 0 && parts[i] != 0;  // a corner is outside
+    }
+    return v;
+}
+
+void damage(OpenTree& tree, Random& random, unsigned kind) {
+    std::uint32_t at = random.below(tree.header.inner_nodes);
+    while (tree.nodes[at].child0 == CLARAY_NO_CHILD) at = random.below(tree.header.inner_nodes);
+    BvhNode& node = tree.nodes[at];
+    float* const faces[] = {&node.lo0x, &node.lo0y, &node.lo0z, &node.lo1x, &node.lo1y, &node.lo1z,
+                            &node.hi0x, &node.hi0y, &node.hi0z, &node.hi1x, &node.hi1y, &node.hi1z};
+    const std::uint32_t leaf = random.below(tree.header.valid), child = random.below(2);
+    if (kind < 12)
+        *faces[kind] = std::nextafter(*faces[kind], kind < 6 ? INFINITY : -INFINITY);
+    else if (kind < 24)
+        *faces[kind - 12] += kind < 18 ? 9.f : -9.f;  // a box that is empty
+    else if (kind == 24)
+        node.parent = node.parent == CLARAY_NO_CHILD ? 0u : node.parent ^ 1u;
+    else if (kind == 25)
+        node.parent = CLARAY_NO_CHILD;
+    else if (kind == 26)
+        (child ? node.child1 : node.child0) = tree.header.inner_nodes;
+    else if (kind == 27)
+        (child ? node.child1 : node.child0) = CLARAY_LEAF | tree.header.valid;
+    else if (kind == 28)
+        tree.leaves[leaf].primitive = tree.leaves[(leaf + 1) % tree.header.valid].primitive;
+    else
+        tree.leaves[leaf].primitive = tree.header.valid + leaf;
+}
+
+/// Points of a triangle that validation looks for in the boxes of its parts, without the corners.
+std::vector<glm::dvec3> points_in(const LeafTriangle& t) {
+    const glm::dvec3 a(t.v0x, t.v0y, t.v0z), b(t.v1x, t.v1y, t.v1z), c(t.v2x, t.v2y, t.v2z);
+    std::vector<glm::dvec3> points;
+    for (int i = 0; i < 6; ++i)
+        for (int j = 0; i + j <= 6 && j < 6; ++j)
+            if (i + j != 0) points.push_back(a * ((6 - i - j) / 6.0) + b * (i / 6.0) + c * (j / 6.0));
+    return points;
+}
+
+bool has_corner(const Range3& box, const LeafTriangle& t) {
+    const glm::dvec3 slack(1e-4);
+    return box.holds({t.v0x, t.v0y, t.v0z}, slack) || box.holds({t.v1x, t.v1y, t.v1z}, slack) ||
+           box.holds({t.v2x, t.v2y, t.v2z}, slack);
+}
+
+/// Ends a part's box a little before a point that no other box holds: too much from one slack on.
+struct Gap {
+    std::size_t node;
+    unsigned side;
+    double end, slack;
+};
+
+std::vector<Gap> gaps_of(const OpenTree& tree) {
+    struct Part {
+        std::size_t node;
+        unsigned side, triangles;
+        Range3 box;
+    };
+    std::vector<std::vector<Part>> parts(tree.header.valid);
+    std::vector<LeafTriangle> triangles(tree.header.valid);
+    for (std::size_t i = 0; i < tree.header.inner_nodes; ++i)
+        for (const unsigned side : {0u, 1u}) {
+            const std::uint32_t child = side == 0 ? tree.nodes[i].child0 : tree.nodes[i].child1;
+            if ((child & CLARAY_LEAF) == 0) continue;
+            for (std::uint32_t k = 0; k < CLARAY_LEAF_COUNT(child); ++k) {
+                const LeafTriangle& leaf = tree.leaves[(child & CLARAY_SLOT) + k];
+                parts[leaf.primitive].push_back({i, side, CLARAY_LEAF_COUNT(child), box_of(tree.nodes[i], side)});
+                triangles[leaf.primitive] = leaf;
+            }
+        }
+    std::vector<Gap> gaps;
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+        if (parts[p].size() < 2) continue;
+        const Range3 whole = box_of(triangles[p]);
+        const double slack = 4.8e-7 * std::max(std::abs(whole.lo.x), std::abs(whole.hi.x));
+        const std::vector<glm::dvec3> points = points_in(triangles[p]);
+        for (const Part& part : parts[p]) {
+            if (part.triangles > 1 || has_corner(part.box, triangles[p])) continue;
+            const glm::dvec3* last = nullptr;
+            for (const glm::dvec3& point : points)
+                if (part.box.holds(point, glm::dvec3(1e-4)) && (!last || point.x > last->x)) last = &point;
+            if (!last || !part.box.holds(*last, glm::dvec3(-1e-4)) || last->x - part.box.lo.x < 1e-3) continue;
+            const auto holders = std::count_if(parts[p].begin(), parts[p].end(), [&](const Part& other) {
+                return other.box.holds(*last, glm::dvec3(1e-4));
+            });
+            if (holders == 1) gaps.push_back({part.node, part.side, last->x, slack});
+        }
+    }
+    return gaps;
+}
+
+void broken_trees(Run& run) {
+    Random random(run.seed() + 31);
+    const OpenTree sound(build(run, soup(700, 0.05f, run.seed() + 11), {.builder = Builder::balanced,
+                                                                       .layout = Layout::binary}));
+    Tally told;
+    for (int i = 0; i < run.count(90, 3000); ++i) {
+        OpenTree tree = sound;
+        damage(tree, random, unsigned(i) % 30);
+        const BvhValidation found = tree.validated(), expected = expected_of(tree);
+        if (told.add(found.leaves_missing == expected.leaves_missing &&
+                     found.leaves_repeated == expected.leaves_repeated &&
+                     found.boxes_not_containing == expected.boxes_not_containing &&
+                     found.links_broken == expected.links_broken))
+            run.failure(printed("damage %d: %u %u %u %u of %u %u %u %u missing, repeated, boxes, links", i % 30,
+                                found.leaves_missing, found.leaves_repeated, found.boxes_not_containing,
+                                found.links_broken, expected.leaves_missing, expected.leaves_repeated,
+                                expected.boxes_not_containing, expected.links_broken));
+    }
+    run.check("trees whose damage is not told", told, "trees");
+
+    // Large triangles among small ones, in many parts.
+    Mesh shards = soup(60, 1.f, run.seed() + 12);
+    const Mesh dust = soup(3000, 0.02f, run.seed() + 13);
+    for (const glm::uvec3& t : dust.triangles) shards.triangles.push_back(t + std::uint32_t(shards.positions.size()));
+    shards.positions.insert(shards.positions.end(), dust.positions.begin(), dust.positions.end());
+    Tally covered, uncovered;
+    for (const Form& form : build_forms(run.device())) {
+        const ScopedForm set(run.device(), form);
+        const OpenTree split(build(run, shards, {.builder = Builder::high, .layout = Layout::binary}));
+        covered.add(split.validated().ok());
+        const std::vector<Gap> gaps = gaps_of(split);
+        if (gaps.size() < 10) run.failure("too few parts to damage");
+        for (std::size_t i = 0; i < std::min<std::size_t>(gaps.size(), run.count(20, 200)); ++i)
+            for (const double slacks : {0.25, 4.0}) {
+                OpenTree tree = split;
+                BvhNode& node = tree.nodes[gaps[i].node];
+                (gaps[i].side == 0 ? node.hi0x : node.hi1x) = float(gaps[i].end - slacks * gaps[i].slack);
+                if (uncovered.add((tree.validated().boxes_not_containing == 0) == (slacks < 1)))
+                    run.failure(printed("a gap of %g roundings between parts", slacks));
+            }
+        uncovered.add(gaps.size() >= 10);
+    }
+    run.check("sound trees with split triangles that are refused", covered, "trees");
+    run.check("gaps between parts that are not told, or told although they are roundings", uncovered, "trees");
+}
+
 }  // namespace
 
 Cases tree_cases() {
@@ -347,6 +572,7 @@ Cases tree_cases() {
         {{"stadium", "trees", "Nine tenths of the triangles in a cluster of 1e-4 of the scene's size"}, stadium},
         {{"stack-depth", "trees", "The deepest tree that codes allow fits the stack"}, stack_depth},
         {{"rebuilds", "trees", "Repeated rebuilds give the same valid tree: the fences work"}, rebuilds},
+        {{"broken-trees", "trees", "Validation tells damaged boxes, links and leaves from sound ones"}, broken_trees},
     };
 }
 

@@ -90,7 +90,7 @@ Tufts random_strands(std::size_t count, std::uint32_t length, CurveBasis basis, 
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double no_limit = std::numeric_limits<double>::infinity();
 
 /// Where a ray passes a point of a curve's centre line.
 struct Passing {
@@ -118,7 +118,7 @@ bool may_pass(const ExactCurve& curve, const glm::dvec3& o, const glm::dvec3& d,
 void meet_tube(const std::vector<Passing>& samples, double dd, double tolerance, Contact* first) {
     const auto entered = [&](const Passing& at, double more) {
         const double r = at.radius + more;
-        return at.within(more) ? at.t - std::sqrt((r * r - at.off2) / dd) : infinity;
+        return at.within(more) ? at.t - std::sqrt((r * r - at.off2) / dd) : no_limit;
     };
     for (const Passing& at : samples) {
         first->early = std::min(first->early, entered(at, tolerance));
@@ -128,11 +128,11 @@ void meet_tube(const std::vector<Passing>& samples, double dd, double tolerance,
 
 /// The ray passes a flat curve's centre line somewhere in a stretch of it that is within the radius.
 void meet_ribbon(const std::vector<Passing>& samples, double tolerance, Contact* first) {
-    double last = -infinity;
+    double last = -no_limit;
     bool met = false;
     const auto end_stretch = [&] {
         if (met) first->late = std::min(first->late, last);
-        last = -infinity, met = false;
+        last = -no_limit, met = false;
     };
     for (const Passing& at : samples) {
         if (!at.within(tolerance)) {

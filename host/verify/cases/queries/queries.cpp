@@ -241,7 +241,62 @@ bool is_inside(const Mesh& mesh, const Oracle& oracle, const glm::vec3& point) {
     return crossings_of(mesh, oracle, make_ray(point, {0, 0, 1})).size() % 2 != 0;
 }
 
+/// A triangle above the origin that is not much higher: a float of its height is a multiple of 2^-53 there.
+void add_leaf_above_origin(Mesh& mesh, Random& random) {
+    for (;;) {
+        glm::vec3 a = random.in_cube(1.f), b = random.in_cube(1.f), c = random.in_cube(1.f);
+        const glm::dvec3 share(glm::dvec2(b).x * c.y - double(b.y) * c.x, double(c.x) * a.y - double(c.y) * a.x,
+                               double(a.x) * b.y - double(a.y) * b.x);
+        const double all = share.x + share.y + share.z;
+        if (std::min({share.x / all, share.y / all, share.z / all}) < 0.1) continue;
+        c.z = float(-(share.x * a.z + share.y * b.z) / share.z);
+        const double height = (share.x * a.z + share.y * b.z + share.z * c.z) / all;
+        if (std::abs(height) > 0x1p-30 || std::abs(c.z) > 1) continue;
+        const auto first = std::uint32_t(mesh.positions.size());
+        mesh.positions.insert(mesh.positions.end(), {a, b, c});
+        mesh.triangles.emplace_back(first, first + 1, first + 2);
+        return;
+    }
+}
+
+/// Points beside planes, so near that products of float64 do not tell the side: exact sums do.
+void sides_in_doubt(Run& run) {
+    Random random(run.seed() + 97);
+    Mesh mesh;
+    for (int i = 0; i < 200; ++i) add_leaf_above_origin(mesh, random);
+    const auto is_above = [&](const glm::vec3& point, const glm::uvec3& t) {
+        const glm::vec3 &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];
+        const Ray up = make_ray(point, {0, 0, 1});
+        return place_of(up, a, b, c) == Place::inside && side_of_plane(point, a, b, c) == side_of(up, a, b);
+    };
+    std::vector<glm::vec3> points;
+    for (const glm::uvec3& t : mesh.triangles)
+        for (std::size_t k = 0; k < run.count<std::size_t>(4, 100); ++k) {
+            // Differences from the triangles' floats fit float64.
+            const auto place = [](std::int32_t steps) { return float(steps) * 0x1p-53f; };
+            const auto any = [&] { return std::int32_t(random.below(1u << 25)) - (1 << 24); };
+            const float x = place(any()), y = place(any());
+            std::int32_t low = -(1 << 24), high = 1 << 24;  // the plane is between them
+            while (high - low > 1) {
+                const std::int32_t middle = low + (high - low) / 2;
+                (is_above({x, y, place(middle)}, t) ? low : high) = middle;
+            }
+            for (const std::int32_t z : {low, high}) points.emplace_back(x, y, place(z));
+        }
+    Tally wrong;
+    for (const auto& [layout, name] : layouts) {
+        const auto found = inside(build(run, mesh, {.layout = layout}), points);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            std::size_t above = 0;
+            for (const glm::uvec3& t : mesh.triangles) above += is_above(points[i], t);
+            if (wrong.add((found[i] != 0) == (above % 2 != 0))) run.failure(std::string(name) + " beside a plane");
+        }
+    }
+    run.check("wrong sides of planes as near as floats are", wrong, "points");
+}
+
 void insides(Run& run) {
+    sides_in_doubt(run);
     Random random(run.seed() + 98);
     std::vector<glm::vec3> points;
     for (std::size_t i = 0; i < run.count<std::size_t>(600, 20'000); ++i) points.push_back(random.in_cube(1.2f));
