@@ -69,14 +69,14 @@ std::uint32_t hashed(std::uint32_t x) {  // hash_word of claray/shared/rng_words
     return x;
 }
 
-struct Place {
+struct Descent {
     float across, down, probability = 1;
     std::uint32_t word, child = 0;
 };
 
 /// One step, in float64 and rounded where the kernel rounds. Divisions by other numbers than powers of two have no
 /// defined bits.
-void step(Place& at, const float* w) {
+void step(Descent& at, const float* w) {
     const double lower = double(w[0]) + w[1], upper = double(w[2]) + w[3], total = lower + upper;
     const auto across = float(at.across * total);
     const bool right = across >= lower && upper > 0;
@@ -110,7 +110,7 @@ void judge_descents(Run& run, const std::vector<Shares>& shares, const std::vect
     for (std::size_t i = 0; i < count; ++i)
         for (std::size_t k = 0; k < 4; ++k) {
             const std::uint32_t x = words[8 * i + k], y = words[8 * i + 4 + k];
-            Place place{float(x >> 8) * 0x1p-24f, float(y >> 8) * 0x1p-24f, 1, x};
+            Descent place{float(x >> 8) * 0x1p-24f, float(y >> 8) * 0x1p-24f, 1, x};
             for (std::size_t level = 0; level < levels; ++level) {
                 step(place, shares[level].data());
                 const bool last = level + 1 == levels, last_two = level + 2 >= levels;
