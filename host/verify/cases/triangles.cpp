@@ -103,6 +103,18 @@ void scales(Run& run) {
                                scaled_rays, changed, std::string(name) + ", scaled by 2^" + std::to_string(power));
         }
         run.check(std::string("triangles that scaling changes, ") + name, changed, "rays");
+        Tally lengths;
+        for (const int power : {-40, -12, 12, 40}) {
+            std::vector<Ray> longer = rays;
+            for (Ray& r : longer)
+                r.dx = std::ldexp(r.dx, power), r.dy = std::ldexp(r.dy, power), r.dz = std::ldexp(r.dz, power);
+            const auto found = closest_hit(build(run, mesh, {.layout = layout}), longer);
+            for (std::size_t i = 0; i < rays.size(); ++i)
+                if (lengths.add(found[i].primitive == expected[i].primitive &&
+                                (found[i].primitive == CLARAY_MISS || found[i].t == std::ldexp(expected[i].t, -power))))
+                    run.failure(std::string(name) + ", a direction of another length: " + text_of(longer[i]));
+        }
+        run.check(std::string("hits that longer directions change, ") + name, lengths, "rays");
     }
 }
 

@@ -39,6 +39,28 @@ double chi_squared(const std::vector<double>& expected, const std::vector<double
     return sum;
 }
 
+/// Images that are black in part, and random numbers at the ends of their range.
+void extreme_samples(Run& run, Tally& sound) {
+    for (const unsigned lit : {0u, 5u, 7u, 15u}) {
+        Environment environment;
+        Texture sky;
+        sky.width = 8, sky.height = 4, sky.channels = 3, sky.format = TexelFormat::float32;
+        for (unsigned i = 0; i < 32; ++i) sky.floats.insert(sky.floats.end(), 3, i == lit || i == 16 + lit ? 1.f : 0.f);
+        environment.images = {sky};
+        const EnvironmentImage image = environment_image(environment);
+        const EnvironmentData data{image.width, image.height, 0.f, image.baseline, image.density, 1.f};
+        const Buffer<float> drawn(run.device(), 4 * 16);
+        load_kernel(run.device(), "verify/environment.cl", "sample_environment")
+            .run({16, 16}, data, arg("texels", Buffer<float>(run.device(), image.texels)),
+                 arg("cdf", Buffer<float>(run.device(), image.cdf)), 16u, 0xffffffffu, arg("samples", drawn));
+        const auto found = drawn.read();
+        for (std::size_t i = 0; i < 16; ++i) {
+            const float *d = &found[4 * i], pdf = found[4 * i + 3];
+            sound.add(std::abs(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - 1) < 1e-4f && pdf >= 0 && std::isfinite(pdf));
+        }
+    }
+}
+
 /// A bright spot at the pole, where rows of the image shrink to a point, and another beside the seam.
 void environment_poles(Run& run) {
     Environment environment;
@@ -93,6 +115,7 @@ void environment_poles(Run& run) {
     for (double& share : shares) share *= samples / integral;
     double degrees = 0;
     const double chi2 = chi_squared(shares, seen, &degrees);
+    extreme_samples(run, sound);
     run.check("invalid directions", sound, "samples");
     const double chance = chance_of_chi_squared(chi2, degrees - 1);
     run.check("1 - chance of the directions, chi-squared", samples, 1 - chance, 0.99, "");
