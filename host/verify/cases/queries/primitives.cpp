@@ -36,6 +36,32 @@ void judge(Run& run, const ExactKind& of, const std::vector<float>& data, const 
     judged.rays += rays.size();
 }
 
+/// Rays are closed at tmax, where a hit counts, and open at tmin; of equal primitives the first is hit.
+void judge_ends(Run& run, const ExactKind& of, std::vector<float> data, const std::vector<Ray>& rays) {
+    constexpr std::uint32_t count = 300;
+    data.insert(data.end(), data.begin(), data.end());
+    Tally wrong;
+    for (const auto& [layout, name] : layouts) {
+        const Primitives twice =
+            Primitives::build(run.device(), of.kind, Buffer<float>(run.device(), data), 2 * count, {.layout = layout});
+        const auto hits = closest_hit(twice, rays);
+        std::vector<Ray> to = rays, before = rays, from = rays;
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            if (hits[i].primitive == CLARAY_MISS) continue;
+            to[i].tmax = from[i].tmin = hits[i].t, before[i].tmax = std::nextafter(hits[i].t, 0.f);
+        }
+        const auto at = closest_hit(twice, to), none = closest_hit(twice, before), behind = closest_hit(twice, from);
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            if (hits[i].primitive == CLARAY_MISS) continue;
+            if (wrong.add(hits[i].primitive < count && at[i].primitive == hits[i].primitive && at[i].t == hits[i].t &&
+                          none[i].primitive == CLARAY_MISS &&
+                          (behind[i].primitive == CLARAY_MISS || behind[i].t > hits[i].t)))
+                run.failure(std::string(of.name) + ", " + name + ", a wrong end: " + text_of(rays[i]));
+        }
+    }
+    run.check("wrong ends of rays at " + std::string(of.name), wrong, "rays");
+}
+
 void primitives(Run& run) {
     auto rays = random_rays(run.count<std::size_t>(1500, 50'000), 3.f, 1.f, run.seed() + 111);
     for (std::size_t i = 0; i < rays.size(); i += 3) rays[i].tmin = 2.5f, rays[i].tmax = 3.5f;  // some from inside
@@ -54,6 +80,7 @@ void primitives(Run& run) {
                 built.refit();
                 judge(run, of, later, built, rays, false, judged);
             }
+        judge_ends(run, of, data, rays);
         const std::string kind = of.name;
         run.check("closest hits of " + kind + " off float64", judged.rays, double(judged.wrong) / double(judged.rays),
                   2e-4, "of all");

@@ -45,6 +45,30 @@ bool has_surfaces_of_its_own(Effect effect) {
     return those.has(effect);
 }
 
+/// A mirror and a metal, seen and left by rays within 0.03 degrees of their planes.
+Scene grazing_views() {
+    Scene scene;
+    scene.materials = {grey(0.9f), grey(0.7f)};
+    scene.materials[0].kind = MaterialKind::mirror;
+    scene.materials[1].kind = MaterialKind::metal, scene.materials[1].roughness = 0.04f;
+    scene.meshes = {square(1.f, 0.f, 0), square(1.f, 0.f, 1)};
+    for (glm::vec3& p : scene.meshes[1].positions) p.z += 2.f;
+    scene.sky.horizon = glm::vec3(0.5f, 0.7f, 0.9f), scene.sky.zenith = glm::vec3(2.f);
+    scene.camera = Camera{{4.f, 0.002f, 1.f}, {0.f, 0.f, 1.f}, {0, 1, 0}, 0.05f};
+    return scene;
+}
+
+/// A model of the scene, whose texels are small, too. Its tangents are short and lead elsewhere.
+Scene in_small(Scene scene) {
+    constexpr float scale = 1.f / 256;
+    for (Mesh& mesh : scene.meshes) {
+        for (glm::vec3& p : mesh.positions) p *= scale;
+        if (!mesh.uvs.empty()) mesh.tangents.assign(mesh.positions.size(), {0.01f, 0.004f, 0.006f, -1.f});
+    }
+    scene.camera->position *= scale, scene.camera->target *= scale;
+    return scene;
+}
+
 /// Kernels that have all effects render the scene of each.
 void effect_images(Run& run) {
     Committed images(run), surfaces(run);
@@ -60,6 +84,11 @@ void effect_images(Run& run) {
         images.compare(name, renderer.image());
         if (has_surfaces_of_its_own(effect)) surfaces.compare(name + " surfaces", numbers_of(renderer.aovs()));
     }
+    RenderConfig config = small_image(8);
+    config.effects.add = full_effects();
+    compare_render(run, images, "grazing views", grazing_views(), config);
+    for (const char* const name : {"effect:normal-maps", "effect:height-maps", "effect:anisotropy"})
+        compare_render(run, images, name + std::string(" in small"), in_small(*builtin_scene(name)), config);
     images.check("images");
     surfaces.check("depths, numbers, normals and albedos");
 }
@@ -134,6 +163,22 @@ Scene many_lights() {
     return scene;
 }
 
+/// A ball whose vertices have normals of all lengths: those that have no direction in float32 are left out.
+Scene ball_of_long_normals() {
+    Scene scene;
+    scene.materials = {grey(0.6f)};
+    scene.meshes = {square(6.f, -0.7f, 0), sphere(2, 0.7f, {0.1f, 0.f, 0.f})};
+    scene.meshes[0].normals.assign(4, glm::vec3(1.3e38f, 2.7e38f, 0.f));
+    Mesh& ball = scene.meshes[1];
+    for (std::size_t i = 0; i < ball.positions.size(); ++i) {
+        constexpr float lengths[] = {1.f, 1e25f, 1.f, 1e-25f, 1.f, 1e-15f, 1e15f, 0.f};
+        ball.normals.push_back(lengths[i % 8] * glm::normalize(ball.positions[i] - glm::vec3(0.1f, 0.f, 0.f)));
+    }
+    scene.lights = {point_light({1.f, 2.f, 1.5f}, glm::vec3(4.f))};
+    scene.camera = Camera{{0.f, 0.8f, 3.f}, {0, 0, 0}, {0, 1, 0}, 40.f};
+    return scene;
+}
+
 void own_images(Run& run) {
     Committed images(run), others(run);
     for (const char* const name : {"cornell", "spheres", "crate"}) {
@@ -153,8 +198,15 @@ void own_images(Run& run) {
     }
     for (const char* const name : {"effect:instances", "effect:instance-motion", "effect:primitives"})
         compare_render(run, images, name, *builtin_scene(name), small_image(16));
+    compare_render(run, images, "normals of all lengths", ball_of_long_normals(), small_image(8));
     Scene lights = many_lights();
     compare_render(run, images, "many lights of short ranges", lights, small_image(8));
+    Scene through_glass = lights;
+    through_glass.materials[2].roughness = 0.4f;
+    Light sun = point_light({}, glm::vec3(0.5f));
+    sun.kind = LightKind::sun, sun.direction = {-0.2f, -0.3f, 1.f}, sun.outer_angle = 0.4f;
+    through_glass.lights.push_back(sun);
+    compare_render(run, images, "many lights, and a sun behind rough glass", through_glass, small_image(16));
     for (Light& light : lights.lights) light.range = 0.f;
     compare_render(run, images, "many lights", lights, small_image(8));
     const Scene cornell = *builtin_scene("cornell");
