@@ -16,12 +16,6 @@ bool is_opaque_dielectric(const Material& m) {
 }
 bool transmits(const Material& m) { return m.kind == MaterialKind::glass || (is_principled(m) && m.transmission > 0); }
 
-/// Beer's coefficient. Black at the distance is treated as 1e-30, so that 0 * infinity does not occur.
-glm::vec3 absorption_of(const Material& m) {
-    if (!absorbs_inside(m)) return glm::vec3(0.f);
-    return -glm::log(glm::clamp(m.attenuation, glm::vec3(1e-30f), glm::vec3(1.f))) / m.attenuation_distance;
-}
-
 /// An angle in 0..2 pi.
 float turn_of(float angle) { return angle - glm::two_pi<float>() * std::floor(angle / glm::two_pi<float>()); }
 
@@ -76,6 +70,11 @@ bool is_anisotropic(const Material& m) { return is_principled(m) && m.anisotropy
 bool absorbs_inside(const Material& m) {
     return has_glass(m) && m.attenuation_distance > 0 && m.attenuation != glm::vec3(1.f);
 }
+/// Beer's coefficient. Black at the distance is treated as 1e-30, so that 0 * infinity does not occur.
+glm::vec3 absorption_of(const Material& m) {
+    if (!absorbs_inside(m)) return glm::vec3(0.f);
+    return -glm::log(glm::clamp(m.attenuation, glm::vec3(1e-30f), glm::vec3(1.f))) / m.attenuation_distance;
+}
 
 MaterialData material_data(const Material& m, const EnergyTables& tables) {
     glm::vec3 albedo = m.albedo, specular = is_principled(m) ? m.specular_tint : m.specular;
@@ -125,7 +124,6 @@ MaterialData material_data(const Material& m, const EnergyTables& tables) {
             .coat_y = 0.f,
             .coat_z = 1.f,
             .custom = m.custom,
-            .medium = 0,
 #define CLARAY_ROW(name, text, standard, check) .name = m.name,
             CLARAY_BSDF_PARAMETERS(CLARAY_ROW)
 #undef CLARAY_ROW

@@ -41,6 +41,8 @@ inline constexpr TextureUse Material::*material_maps[] = {
 [[nodiscard]] bool has_sheen(const Material& material);
 [[nodiscard]] bool is_anisotropic(const Material& material);
 [[nodiscard]] bool absorbs_inside(const Material& material);
+/// Inside, per unit of length.
+[[nodiscard]] glm::vec3 absorption_of(const Material& material);
 
 /// Returns whether this material has emission that varies over its triangles.
 [[nodiscard]] bool has_emission_map(const Material& material);

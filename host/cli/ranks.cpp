@@ -42,7 +42,7 @@ std::string host_name() {
     return ::gethostname(name, sizeof name - 1) == 0 ? name : "";
 }
 
-ranks::Hello own_hello() { return {version(), the_options, host_name(), {}, {}}; }
+ranks::Hello own_hello() { return {version(), the_options, host_name(), {}}; }
 
 }  // namespace
 

@@ -5,7 +5,6 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <set>
 
 #include "claray/io.hpp"
 #include "claray/scale/render_group.hpp"
@@ -327,15 +326,12 @@ void refuse_several(const std::vector<Device>& devices, const RenderOptions& opt
     if (!options.trace.empty()) refuse("--trace", "name one with --device, without mpirun, or leave out --trace");
 }
 
-void warn_of_several_models(const std::vector<Device>& devices, const ranks::Ranks* ranks) {
-    std::set<std::string> models;
-    for (const Device& device : devices) models.insert(ranks::model_of(device.info()));
-    if (ranks != nullptr)
-        for (const ranks::Hello& hello : ranks->hellos()) models.insert(hello.models.begin(), hello.models.end());
-    if (models.size() < 2) return;
-    std::string all;
-    for (const std::string& model : models) all += (all.empty() ? "" : "; ") + model;
-    print_warning("these devices round differently, so that the image has not the bits of one device's: " + all);
+/// Devices without float64 decide doubtful hits otherwise than those with it.
+void warn_of_missing_float64(const std::vector<Device>& devices) {
+    const auto lacks = [](const Device& device) { return !device.info().fp64; };
+    const auto without = std::find_if(devices.begin(), devices.end(), lacks);
+    if (without == devices.end() || std::all_of(devices.begin(), devices.end(), lacks)) return;
+    print_warning("'" + without->info().name + "' has no float64: where hits are doubtful, it may find others");
 }
 
 void render(const RenderOptions& options) {
@@ -350,7 +346,7 @@ void render(const RenderOptions& options) {
     const std::vector<Device> devices = open_devices(options.device);
     const ranks::Ranks* const ranks = meet_ranks();
     refuse_several(devices, options);
-    warn_of_several_models(devices, ranks);
+    warn_of_missing_float64(devices);
     enable_profilers(devices, options);
     warn_of_picture_options(options);
     Writes writes;

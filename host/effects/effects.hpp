@@ -32,6 +32,9 @@ enum class Stage : unsigned {
 /// Whether that stage's kernels contain code for the effect.
 [[nodiscard]] bool concerns(Effect effect, Stage stage);
 
+/// The scene as rays need it for its effects; nothing if it is so already.
+[[nodiscard]] std::optional<Scene> prepared_for_effects(const Scene& scene);
+
 /// The effects of a material's BSDF.
 [[nodiscard]] EffectSet effects_of_bsdf(const Material& material);
 /// The sets of these effects that the scene's materials have: the shaders, each for a kernel of its own. At most

@@ -67,6 +67,14 @@ EffectSet effects_of(const Scene& scene) {
     return effects;
 }
 
+std::optional<Scene> prepared_for_effects(const Scene& scene) {
+    std::optional<Scene> prepared;
+    for (const Effect effect : all_effects())
+        if (const auto prepare = part_of(effect).prepare)
+            if (std::optional<Scene> changed = prepare(prepared ? *prepared : scene)) prepared = std::move(changed);
+    return prepared;
+}
+
 Scene without_effects(Scene scene, EffectSet effects) {
     for (const Effect effect : all_effects())
         if (effects.has(effect)) strip(part_of(effect), scene);

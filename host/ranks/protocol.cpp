@@ -42,17 +42,15 @@ void check_failure(const Failure& failure) {
 }  // namespace
 
 std::string to_bytes(const Hello& hello) {
-    return bytes_of(hello.version, hello.options, hello.host, hello.devices, hello.models);
+    return bytes_of(hello.version, hello.options, hello.host, hello.devices);
 }
 
 Hello hello_from(const std::string& bytes) {
     Hello hello;
-    read(bytes, hello.version, hello.options, hello.host, hello.devices, hello.models);
-    if (hello.devices.empty() || hello.models.size() != hello.devices.size()) refuse_message("names no device");
+    read(bytes, hello.version, hello.options, hello.host, hello.devices);
+    if (hello.devices.empty()) refuse_message("names no device");
     return hello;
 }
-
-std::string model_of(const DeviceInfo& info) { return info.name + ", " + info.platform + " " + info.driver; }
 
 std::string to_bytes(const Failure& failure) { return bytes_of(failure.exit_code, failure.text); }
 

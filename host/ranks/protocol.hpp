@@ -12,13 +12,10 @@ namespace claray::ranks {
 /// What must be equal on all ranks, and what each brings.
 struct Hello {
     std::string version, options, host;
-    std::vector<std::string> devices, models;  // names, and `model_of` each
+    std::vector<std::string> devices;  // their names
 };
 [[nodiscard]] std::string to_bytes(const Hello& hello);
 [[nodiscard]] Hello hello_from(const std::string& bytes);
-
-/// Devices of one model and driver give the same bits.
-[[nodiscard]] std::string model_of(const DeviceInfo& info);
 
 /// Why a rank ends.
 struct Failure {

@@ -59,8 +59,7 @@ private:
 
 int serve(Session& session, const std::vector<Device>& devices, Hello hello, const std::string& compiler,
           const RenderFrame& render_frame) {
-    for (const Device& device : devices)
-        hello.devices.push_back(device.info().name), hello.models.push_back(model_of(device.info()));
+    for (const Device& device : devices) hello.devices.push_back(device.info().name);
     session.send(0, MessageKind::hello, to_bytes(hello));
     std::unique_ptr<Job> job;
     std::deque<Message> waiting;  // that came while a frame was rendered

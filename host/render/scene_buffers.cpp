@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "host/bsdf/material_data.hpp"
-#include "host/effects/nested_media.hpp"
+#include "host/effects/parts/part.hpp"
 #include "host/textures/texture_use.hpp"
 
 namespace claray {
@@ -82,16 +82,12 @@ SceneBuffers::TableWriter SceneBuffers::tables_of_materials(const Scene& scene) 
         materials.push_back(material_data(material, energy));
         materials.back().shader = shader_of(material, shaders).value_or(0);  // 0: not used
     }
-    std::vector<MediumData> media;
-    for (const std::uint32_t medium : media_) {
-        MaterialData& m = materials[medium];
-        media.push_back({m.ior, m.absorption_r, m.absorption_g, m.absorption_b});
-        m.medium = std::uint32_t(media.size());
-    }
     TableWriter writer;
     writer.add(materials, where.materials);
-    writer.add(media, where.media);
     writer.add(energy.data(), where.energy);
+    for (const Effect effect : all_effects())
+        if (const auto tables = part_of(effect).tables)
+            for (const auto& [member, words] : tables(scene)) writer.add(words, where.*member);
     return writer;
 }
 
@@ -115,7 +111,6 @@ SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Struc
     : structure(with),
       effects(effects_of(scene)),
       shaders(shaders_of(scene)),
-      media_(nested_media(scene)),
       on_host_(std::make_shared<Lights>(collect_lights(scene, selection))) {
     textures = Textures(device, scene, !(added & EffectSet{Effect::cut_outs, Effect::culling}).empty());
     structure.set_cutouts(textures.cutouts());

@@ -61,8 +61,7 @@ private:
     [[nodiscard]] static Section place(const TableWriter& written, std::uint64_t begin, unsigned spare = 0);
     void replace(const TableWriter& written, Section& section);
 
-    std::vector<std::uint32_t> media_;  // materials by their rank, see nested_media
-    std::shared_ptr<Lights> on_host_;   // what follows from other lights than those replaced is not computed again
+    std::shared_ptr<Lights> on_host_;  // what follows from other lights than those replaced is not computed again
     Section of_materials_, of_lights_;
 };
 

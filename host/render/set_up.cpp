@@ -7,7 +7,7 @@
 #include "host/base/file.hpp"
 #include "host/base/seconds_since.hpp"
 #include "host/compute/programs/compiler_processes.hpp"
-#include "host/effects/nested_media.hpp"
+#include "host/effects/effects.hpp"
 #include "host/render/config/checks.hpp"
 #include "host/render/parts/scene_parts.hpp"
 #include "host/render/renderer_state.hpp"
@@ -152,10 +152,10 @@ Renderer::Renderer(const Device& device, const Scene& scene, const RenderConfig&
     if (resumes || saves) identity = identity_of(checked(scene), checked(config));
     if (resumes) from = read_checkpoint(config.resume, identity, config.spp);
     if (saves) check_file_writable(config.checkpoint);
-    const std::optional<Scene> overlapping = with_overlapping_media(checked(scene));
-    const Scene& separate = overlapping ? *overlapping : scene;
+    const std::optional<Scene> changed = prepared_for_effects(checked(scene));
+    const Scene& prepared = changed ? *changed : scene;
     state_ =
-        config.effects.remove.empty() ? made_for(separate) : made_for(without_effects(separate, config.effects.remove));
+        config.effects.remove.empty() ? made_for(prepared) : made_for(without_effects(prepared, config.effects.remove));
     state_->set_bounds(scene, true);
     state_->outputs.checkpoints.identity = identity;
     if (!from) return;

@@ -12,9 +12,9 @@
 static inline float3 reflected_light(const ShadingPoint* at, float3 from, PunctualLight light) {
     LightView view;
     if (!PUNCTUAL_LIGHTS || !view_punctual_light(light, 1.0f, from, (float2)(0.0f), &view)) return (float3)(0.0f);
-    bool viewers_side = dot(view.direction, at->surface.geometric) > 0.0f;
+    bool viewers_side = dot_product(view.direction, at->surface.geometric) > 0.0f;
     // As in view_light_beside: rounded surfaces are lit as far as their normals allow.
-    if (NORMALS) viewers_side |= largest(fabs(at->surface.lift)) > 0.0f && dot(view.direction, at->surface.shading) > 0.0f;
+    if (NORMALS) viewers_side |= largest(fabs(at->surface.lift)) > 0.0f && dot_product(view.direction, at->surface.shading) > 0.0f;
     if (!viewers_side && !is_translucent(&at->material)) return (float3)(0.0f);
     const float3 incoming = to_local(at->frame, view.direction);
     if (is_above(&at->material, incoming) != viewers_side) return (float3)(0.0f);

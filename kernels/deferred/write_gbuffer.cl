@@ -8,7 +8,7 @@
 /// A value from 0 to 1 on the sRGB curve (IEC 61966-2-1), as a byte.
 static inline uint srgb_byte(float linear) {
     const float x = clamp(linear, 0.0f, 1.0f);
-    return (uint)(255.0f * (x <= 0.0031308f ? 12.92f * x : 1.055f * pow(x, 1.0f / 2.4f) - 0.055f) + 0.5f);
+    return (uint)(255.0f * (x <= 0.0031308f ? 12.92f * x : 1.055f * power_of(x, 1.0f / 2.4f) - 0.055f) + 0.5f);
 }
 
 /// Reversed depth: floats are densest at 0, where a perspective view's far distances crowd.

@@ -10,11 +10,11 @@
 #if CLARAY_CPU
 static inline float16 trust_in16(PixelRun run, global const Guide* guides) {
     float trust[16];
-    for (uint i = 0; i < 16; ++i) trust[i] = mix(1.0f, MIRROR_TRUST, guides[run.first + min(i, run.count - 1)].mirrored);
+    for (uint i = 0; i < 16; ++i) trust[i] = lerp(1.0f, MIRROR_TRUST, guides[run.first + min(i, run.count - 1)].mirrored);
     return vload16(0, trust);
 }
 #else
-static inline float trust_in(PixelRun run, global const Guide* guides) { return mix(1.0f, MIRROR_TRUST, guides[run.first].mirrored); }
+static inline float trust_in(PixelRun run, global const Guide* guides) { return lerp(1.0f, MIRROR_TRUST, guides[run.first].mirrored); }
 #endif
 
 /// A run of pixels per work-item.

@@ -18,7 +18,7 @@ static inline float variance_of_guide(const Guide* g, float3 filtered) {
 /// smaller than a pixel from noise, and neighbours have others. With few samples noise is worse.
 static inline float share_beside_details(const Guide* g, float doubt) {
     const float3 normal = (float3)(g->normal_x, g->normal_y, g->normal_z);
-    return clamp(1.0f - DETAIL * fmax(1.0f - COMMON_DETAIL - dot(normal, normal), 0.0f) * (1.0f - doubt / CLARAY_MOST_DOUBT), 0.0f, 1.0f);
+    return clamp(1.0f - DETAIL * fmax(1.0f - COMMON_DETAIL - dot_product(normal, normal), 0.0f) * (1.0f - doubt / CLARAY_MOST_DOUBT), 0.0f, 1.0f);
 }
 
 /// Of each pixel: the variance of its noise, the squared change that noise warrants, the squared change, and the variance of its guide; colours are
@@ -32,10 +32,10 @@ kernel void measure_changes(FilterStep step, float doubt, global const float4* n
     if (!has_light(before)) return;
     const float3 after = pixel_at(step, filtered, i).xyz, difference = before.xyz - after;
     // Noise is taken to have the colour of light. By luminance alone, a change of colour would count as none.
-    const float bright = luminance(after), colors = bright > 0.0f ? dot(after, after) / (bright * bright) : 3.0f;
+    const float bright = luminance(after), colors = bright > 0.0f ? dot_product(after, after) / (bright * bright) : 3.0f;
     const float noise = before.w * colors, removed = REMOVED * (1.0f - kept[i]) * noise;
     const Guide g = guides[i];
-    changes[i] = (float4)(noise, removed + doubt * noise, dot(difference, difference), variance_of_guide(&g, after));
+    changes[i] = (float4)(noise, removed + doubt * noise, dot_product(difference, difference), variance_of_guide(&g, after));
 }
 
 /// The share of the filtered light in the mixture of least expected squared error, which is E[noise removed] / E[change], the changes
@@ -79,7 +79,7 @@ kernel void modulate(FilterStep step, uint single, float doubt, global const flo
     const Guide g = guides[i];
     float share = 1.0f;
     if (!single && lit) share = share_beside_details(&g, doubt) * share_of_filtered(step, i, before.w, changes);
-    float3 light = mix(before.xyz, pixel_at(step, filtered, i).xyz, share);
+    float3 light = lerp(before.xyz, pixel_at(step, filtered, i).xyz, share);
     if (lit) light = bounded_light(step, i, single, light, before.w, filtered);
     const float3 albedo = lit ? (float3)(g.albedo_r, g.albedo_g, g.albedo_b) : (float3)(1.0f);
     vstore3(light * albedo + (float3)(g.glow_r, g.glow_g, g.glow_b), i, image);

@@ -7,10 +7,10 @@
 static inline bool seen_at(FilterStep step, const CameraData* c, float3 point, float2* pixel, float* distance) {
     const float3 right = (float3)(c->right_x, c->right_y, c->right_z), up = (float3)(c->up_x, c->up_y, c->up_z);
     const float3 to = point - (float3)(c->x, c->y, c->z);
-    const float ahead = dot(to, (float3)(c->forward_x, c->forward_y, c->forward_z));
-    const ProjectionPlace at = place_in_image(c->projection, dot(to, right) / dot(right, right), dot(to, up) / dot(up, up), ahead);
+    const float ahead = dot_product(to, (float3)(c->forward_x, c->forward_y, c->forward_z));
+    const ProjectionPlace at = place_in_image(c->projection, dot_product(to, right) / dot_product(right, right), dot_product(to, up) / dot_product(up, up), ahead);
     *pixel = (float2)(0.5f * (at.x + 1.0f) * (float)step.width - 0.5f, 0.5f * (1.0f - at.y) * (float)step.height - 0.5f);
-    *distance = has_parallel_rays(c->projection) ? ahead : length(to);
+    *distance = has_parallel_rays(c->projection) ? ahead : length_of(to);
     return at.seen != 0u;
 }
 
@@ -23,7 +23,7 @@ static inline float3 point_of(FilterStep step, const CameraData* c, uint x, uint
 
 /// Whether two pixels show the same surface. Fast motion changes a normal's mean only at edges.
 static inline bool is_same_surface(float4 now, float distance, float4 before) {
-    return fabs(before.w * distance - 1.0f) < 0.05f && dot(now.xyz, before.xyz) > 0.8f * dot(now.xyz, now.xyz);
+    return fabs(before.w * distance - 1.0f) < 0.05f && dot_product(now.xyz, before.xyz) > 0.8f * dot_product(now.xyz, now.xyz);
 }
 
 /// `result`: the old light and its variance, means over the four nearest pixels of the same surface; `ages`: from how many samples
@@ -82,6 +82,6 @@ kernel void blend_history(FilterStep step, float samples, float most, global con
         }
     const float deviations = fmax(difference * difference / variance - 4.0f, 0.0f);  // squared; four are common
     const float age = fmin(old_ages[i], most) * fading(deviations), share = samples / (age + samples);
-    set_pixel(step, result, i, (float4)(mix(before.xyz, here.xyz, share), (1.0f - share) * (1.0f - share) * before.w + share * share * here.w));
+    set_pixel(step, result, i, (float4)(lerp(before.xyz, here.xyz, share), (1.0f - share) * (1.0f - share) * before.w + share * share * here.w));
     ages[i] = age + samples;
 }

@@ -34,10 +34,10 @@ static inline void add_noise(NoiseSums* total, FilmPixel p, Halves h, float scal
 static inline void add_error(ErrorSums* total, ColorSum all, ColorSum odd, Halves h, float scale) {
     const float3 even_sum = (summed_by(all) - summed_by(odd)) + (lost_by(all) - lost_by(odd));  // mutant: error-odd-half
     const float3 difference = (even_sum * h.of_even - (summed_by(odd) + lost_by(odd)) * h.of_odd) * scale;
-    const float variance = dot(difference, difference) * h.of_square;
+    const float variance = dot_product(difference, difference) * h.of_square;
     total->variance += variance;
     total->squares += variance * variance;
-    total->value += dot((summed_by(all) + lost_by(all)) * h.of_all * scale, (float3)(1.0f));
+    total->value += dot_product((summed_by(all) + lost_by(all)) * h.of_all * scale, (float3)(1.0f));
     ++total->pixels;
 }
 

@@ -27,7 +27,7 @@ kernel void resolve_film(global const FilmPixel* film, ImageSizes size, global f
     const float2 y = place_in_film(i / size.image_width, size.image_height, size.height);
     const uint left = (uint)x.x, right = min(left + 1, size.width - 1);
     const uint top = (uint)y.x * size.width, bottom = min((uint)y.x + 1, size.height - 1) * size.width;
-    const float3 above = mix(mean_of(film[top + left]), mean_of(film[top + right]), x.y);
-    const float3 below = mix(mean_of(film[bottom + left]), mean_of(film[bottom + right]), x.y);
-    vstore3(mix(above, below, y.y), i, image);
+    const float3 above = lerp(mean_of(film[top + left]), mean_of(film[top + right]), x.y);
+    const float3 below = lerp(mean_of(film[bottom + left]), mean_of(film[bottom + right]), x.y);
+    vstore3(lerp(above, below, y.y), i, image);
 }

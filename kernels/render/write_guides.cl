@@ -87,7 +87,8 @@ static CLARAY_OUTLINED void see(PathState state, const Step* step, SCENE_PARAMET
                                 NextRay* next) {
     const FrameData* frame = &step->frame;
     const uint depth = step->depth;
-    Sight sight = {1.0f, 1.0f, 1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0u, 0u};
+    Sight sight = {0};
+    sight.throughput_r = sight.throughput_g = sight.throughput_b = 1.0f;
     if (depth != 0u) sight = *seen;
     const Lights lights = lights_of(frame, SCENE);
     state.throughput_r = sight.throughput_r, state.throughput_g = sight.throughput_g, state.throughput_b = sight.throughput_b;
@@ -97,7 +98,9 @@ static CLARAY_OUTLINED void see(PathState state, const Step* step, SCENE_PARAMET
     float3 glow, albedo = (float3)(0.0f);
     ShadingPoint at;
     PathSegment segment = camera_segment(frame, ray, time);
-    segment.media = sight.media;
+#define CLARAY_LOAD(name, type, words, EFFECT) segment.name = sight.name;
+    CLARAY_ALONG_SIGHTS(CLARAY_LOAD)
+#undef CLARAY_LOAD
     const bool goes_on = arrive(0, step, &lights, 0u, SCENE, &segment, found, 0, &state, &glow, &at);
     if (hit.primitive != CLARAY_MISS) {
         if (depth == 0u) {
@@ -115,7 +118,10 @@ static CLARAY_OUTLINED void see(PathState state, const Step* step, SCENE_PARAMET
     }
     if (next->wanted) {
         sight.pdf = next->state.pdf;
-        if (NESTED_MEDIA) sight.media = next->segment.media;
+#define CLARAY_STORE(name, type, words, EFFECT) \
+        if (EFFECT) sight.name = next->segment.name;
+        CLARAY_ALONG_SIGHTS(CLARAY_STORE)
+#undef CLARAY_STORE
         sight.passed = max(sight.passed, next->state.pdf > 0.0f ? CLARAY_BY_GLOSS : CLARAY_BY_MIRROR);
         sight.throughput_r = next->state.throughput_r, sight.throughput_g = next->state.throughput_g;
         sight.throughput_b = next->state.throughput_b;
@@ -176,7 +182,7 @@ static inline float3 variances_of_means(float3 sums, float3 squares, uint n) {
 /// Adds further rays to those of `all`. `of_film`: the share of these among the film's samples that are now traced.
 static inline void merge_guides(Guide* all, const Guide* more, float of_film) {
     const float share = (float)more->rays / (float)(all->rays + more->rays), rest = 1.0f - share;
-#define MIXED(member) all->member = mix(all->member, more->member, share)
+#define MIXED(member) all->member = lerp(all->member, more->member, share)
     const float shift = luminance((float3)(more->glow_r + more->gloss_r, more->glow_g + more->gloss_g, more->glow_b + more->gloss_b) -
                                   (float3)(all->glow_r + all->gloss_r, all->glow_g + all->gloss_g, all->glow_b + all->gloss_b));
     MIXED(ray_variance), all->ray_variance += share * rest * shift * shift;
@@ -185,7 +191,7 @@ static inline void merge_guides(Guide* all, const Guide* more, float of_film) {
     MIXED(gloss_r), MIXED(gloss_g), MIXED(gloss_b);
     MIXED(mirrored), MIXED(normal_x), MIXED(normal_y), MIXED(normal_z), MIXED(nearness);
 #undef MIXED
-#define MIXED(member) all->member = mix(all->member, more->member, of_film)
+#define MIXED(member) all->member = lerp(all->member, more->member, of_film)
     MIXED(sampled_albedo_r), MIXED(sampled_albedo_g), MIXED(sampled_albedo_b);
     MIXED(sampled_glow_r), MIXED(sampled_glow_g), MIXED(sampled_glow_b);
 #undef MIXED
@@ -272,7 +278,7 @@ kernel void find_edges(uint width, uint height, global const Glow* glows, global
     // Few rays may have missed what others nearby have met, and all of them a border between two pixels. The part of the pixel beyond that
     // border becomes smaller with the number of rays, too.
     const float missed = fmin(FEW_RAYS / (float)glows[i].rays, 1.0f);
-    variance = mix(glows[i].variance, variance + missed * fmax(second - first * first, 0.0f), missed);
+    variance = lerp(glows[i].variance, variance + missed * fmax(second - first * first, 0.0f), missed);
     const bool is_edge = variance > LEAST_NOISE * LEAST_NOISE * most * most;  // a slow gradient, as in the sky, is none
     const int exponent = (int)(as_uint(variance) >> 23) - 127;
     const uchar class = is_edge ? (uchar)clamp(exponent + (int)CLARAY_EDGE_CLASSES / 2, 0, (int)CLARAY_EDGE_CLASSES - 1) : (uchar)CLARAY_EDGE_CLASSES;

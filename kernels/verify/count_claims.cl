@@ -17,8 +17,8 @@ static inline bool comes_near(float3 lo, float3 hi, float3 origin, float3 recipr
 /// and seven of each product are below 2e-6 of the lengths.
 static inline bool passes_near(float3 origin, float3 direction, float along, float3 v0, float3 v1, float3 v2) {
     const float3 a = v0 - origin, b = v1 - origin, c = v2 - origin;
-    const float la = length(a), lb = length(b), lc = length(c), room = 1e-5f * along;
-    const float u = dot(direction, cross(b, c)), v = dot(direction, cross(c, a)), w = dot(direction, cross(a, b));
+    const float la = length_of(a), lb = length_of(b), lc = length_of(c), room = 1e-5f * along;
+    const float u = dot_product(direction, cross_product(b, c)), v = dot_product(direction, cross_product(c, a)), w = dot_product(direction, cross_product(a, b));
     const float du = room * lb * lc, dv = room * lc * la, dw = room * la * lb;
     return !((u > du || v > dv || w > dw) && (u < -du || v < -dv || w < -dw));
 }
@@ -40,7 +40,7 @@ kernel void count_claims(global const BvhHeader* header, global const BvhNode* n
     const PreparedRay ray = prepare_ray(rays[i], false, 0xffffffffu);
     const float3 least = select((float3)(1e-30f), ray.direction, fabs(ray.direction) > 1e-30f);
     const float3 reciprocal = 1.0f / least;
-    const float along = length(ray.direction);
+    const float along = length_of(ray.direction);
     uint stack[CLARAY_MAX_HEIGHT + 1], depth = 0, claiming[MOST_CLAIMS], total = 0;
     if (header->root != CLARAY_NO_CHILD) stack[depth++] = header->root;
     while (depth != 0) {

@@ -26,7 +26,7 @@ kernel void graze_boxes(uint count, uint first, uint seed, global BvhHeader* hea
         const bool at_border = axis == face || sharp == 3u || (sharp != 0u && axis == (face + sharp) % 3u);
         const float inside = clamp(lo[axis] + uniform(c) * (hi[axis] - lo[axis]), lo[axis], hi[axis]);
         float target = at_border ? ((c & 1u) ? hi[axis] : lo[axis]) : inside;
-        if (axis == face && (r[7].x & 1u)) target += (target - middle) * exp2(-(float)(r[7].y >> 27));  // past it, by any distance
+        if (axis == face && (r[7].x & 1u)) target += (target - middle) * power_of_two(-(int)(r[7].y >> 27));  // past it, by any distance
         o[axis] = middle + (3.0f + ((e & 1u) ? offset : 0.0f)) * both_ways(e);
         d[axis] = target - o[axis];
         if ((e & 126u) == 0u) o[axis] = target, d[axis] = (e & 128u) ? -0.0f : 0.0f;  // along a face

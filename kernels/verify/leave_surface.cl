@@ -13,7 +13,7 @@ kernel void leave_surface_at_random(uint count, uint first, uint rays_each, uint
     const Hit hit = point_that_is_left(leaving, (first + i) / rays_each);
     const Surface s = surface_at(hit, view_of_leaving(leaving), positions, indices, 0);
     rays[i] = leaving_ray(leaving, &s);
-    clearance[i] = s.clearance / length(load3(positions, indices[3 * hit.primitive + 1]) - s.base);
+    clearance[i] = s.clearance / length_of(load3(positions, indices[3 * hit.primitive + 1]) - s.base);
 }
 
 /// The same points by the 16-lane arithmetic of CPUs; item i handles rays 16 i .. 16 i + 15. `differ` counts, per item, the rays on

@@ -14,7 +14,7 @@ kernel void shading_normals(uint count, uint seed, global float* cosines) {
     const float3 shading = (float3)(sqrt(1.0f - up * up) * n.x, up, sqrt(1.0f - up * up) * n.y);
     const float3 outgoing = (float3)(sqrt(1.0f - height * height) * o.x, height, sqrt(1.0f - height * height) * o.y);
     const float3 bent = bend_normal(shading, geometric, outgoing);
-    cosines[3 * i] = dot(bent, outgoing);
-    cosines[3 * i + 1] = dot(2.0f * dot(bent, outgoing) * bent - outgoing, geometric);
-    cosines[3 * i + 2] = length(bent);
+    cosines[3 * i] = dot_product(bent, outgoing);
+    cosines[3 * i + 1] = dot_product(2.0f * dot_product(bent, outgoing) * bent - outgoing, geometric);
+    cosines[3 * i + 2] = length_of(bent);
 }

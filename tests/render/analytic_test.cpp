@@ -6,7 +6,7 @@
 
 #include "host/bsdf/energy_tables.hpp"
 #include "host/render/renderer_state.hpp"
-#include "host/verify/cases/bsdf.hpp"
+#include "host/verify/cases/rendering/bsdf.hpp"
 #include "tests/render/scenes.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/meshes.hpp"

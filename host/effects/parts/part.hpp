@@ -3,11 +3,14 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "claray/effects.hpp"
+#include "claray/shared/path.h"
 #include "host/scene/builtin/effects_stage.hpp"
 
 namespace claray {
@@ -20,6 +23,9 @@ struct SearchedScene {
 /// Told of an object that needs the effect: its kind, such as "material", its name, and its index.
 using Found = std::function<void(const char*, const std::string&, std::size_t)>;
 
+/// Tables for the kernels: their members of SceneTables, and their words.
+using EffectTables = std::vector<std::pair<std::uint32_t SceneTables::*, std::vector<std::uint32_t>>>;
+
 /// Functions may be null.
 struct EffectPart {
     Effect effect{};
@@ -31,6 +37,8 @@ struct EffectPart {
     void (*strip_light)(Light&) = nullptr;                       ///< of all lights
     void (*strip_camera)(Camera&) = nullptr;                     ///< of those that need it
     void (*strip)(Scene&) = nullptr;                             ///< takes it from all else
+    std::optional<Scene> (*prepare)(const Scene&) = nullptr;     ///< the scene as rays need it; nothing if it is so
+    EffectTables (*tables)(const Scene&) = nullptr;              ///< empty ones if the scene has no such effect
     /// Changes a stage (effects_stage.hpp) under a sky. The scene then has the effect, Lambert, one kind of light, and
     /// what the effect cannot be had without.
     void (*show)(Scene&) = nullptr;

@@ -5,15 +5,14 @@
 namespace claray {
 namespace {
 
-constexpr std::uint64_t bytes_per_path =
-    2 * (sizeof(Ray) + sizeof(PathState) + sizeof(RayCone) + sizeof(std::uint64_t)) + sizeof(Ray) + sizeof(Hit) +
-    sizeof(LightSample) + sizeof(std::uint8_t) + 3 * sizeof(float);
 constexpr std::size_t word = sizeof(std::uint32_t);
+constexpr std::uint64_t bytes_per_path = 2 * CLARAY_QUEUE_TIMES * word + sizeof(Ray) + sizeof(Hit) +
+                                         sizeof(LightSample) + sizeof(std::uint8_t) + 3 * sizeof(float);
 
 }  // namespace
 
 RayArrays::RayArrays(const Device& device, std::size_t room, bool moves)
-    // Kernels for more effects than the scene's also write cones and media.
+    // Kernels for more effects than the scene's write all of CLARAY_ALONG_RAYS.
     : queue(device, (moves ? CLARAY_QUEUE_WORDS : CLARAY_QUEUE_TIMES) * room),
       rays(queue, 0, room),
       states(queue, CLARAY_QUEUE_STATES * word * room, room) {

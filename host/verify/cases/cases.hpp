@@ -13,6 +13,7 @@ struct Case {
 using Cases = std::vector<Case>;
 
 [[nodiscard]] Cases device_cases();
+[[nodiscard]] Cases function_cases();
 [[nodiscard]] Cases edge_cases();
 [[nodiscard]] Cases triangle_cases();
 [[nodiscard]] Cases box_cases();

@@ -47,8 +47,7 @@ void random_numbers(Run& run) {
         const Buffer<std::uint32_t> words(run.device(), 6 * std::size_t(count));
         const Buffer<float> values(run.device(), 6 * std::size_t(count));
         load_kernel(run.device(), "verify/random_numbers.cl", "draw_numbers")
-            .run({count, 64}, std::uint32_t(run.seed() * 1000 + seed), count, arg("words", words),
-                 arg("floats", values));
+            .run({count, 64}, std::uint32_t(run.seed() * 1000 + seed), count, arg("words", words), arg("floats", values));
         const std::vector<std::uint32_t> found = words.read();
         const std::vector<float> as_floats = values.read();
         for (std::size_t i = 0; i < found.size(); ++i) floats.add(as_floats[i] == float(found[i] >> 8) * 0x1p-24f);
@@ -70,14 +69,14 @@ std::uint32_t hashed(std::uint32_t x) {  // hash_word of claray/shared/rng_words
     return x;
 }
 
-struct Place {
+struct Descent {
     float across, down, probability = 1;
     std::uint32_t word, child = 0;
 };
 
 /// One step, in float64 and rounded where the kernel rounds. Divisions by other numbers than powers of two have no
 /// defined bits.
-void step(Place& at, const float* w) {
+void step(Descent& at, const float* w) {
     const double lower = double(w[0]) + w[1], upper = double(w[2]) + w[3], total = lower + upper;
     const auto across = float(at.across * total);
     const bool right = across >= lower && upper > 0;
@@ -111,7 +110,7 @@ void judge_descents(Run& run, const std::vector<Shares>& shares, const std::vect
     for (std::size_t i = 0; i < count; ++i)
         for (std::size_t k = 0; k < 4; ++k) {
             const std::uint32_t x = words[8 * i + k], y = words[8 * i + 4 + k];
-            Place place{float(x >> 8) * 0x1p-24f, float(y >> 8) * 0x1p-24f, 1, x};
+            Descent place{float(x >> 8) * 0x1p-24f, float(y >> 8) * 0x1p-24f, 1, x};
             for (std::size_t level = 0; level < levels; ++level) {
                 step(place, shares[level].data());
                 const bool last = level + 1 == levels, last_two = level + 2 >= levels;
@@ -134,20 +133,8 @@ void light_descents(Run& run) {
     for (std::uint32_t& word : words) word = random.below(0xffffffffu);
     Tally wrong[2];
     judge_descents(run,
-                   {{1, 1, 1, 1},
-                    {0, 0, 1, 1},
-                    {1, 1, 1, 1},
-                    {2, 2, 4, 0},
-                    {1, 0, 0, 0},
-                    {4, 4, 8, 0},
-                    {1, 1, 0, 2},
-                    {1, 1, 1, 1},
-                    {0, 2, 1, 1},
-                    {1, 1, 1, 1},
-                    {64, 64, 64, 64},
-                    {1, 1, 2, 0},
-                    {1, 1, 4, 4},
-                    {1, 4, 0, 0}},
+                   {{1, 1, 1, 1}, {0, 0, 1, 1}, {1, 1, 1, 1}, {2, 2, 4, 0}, {1, 0, 0, 0}, {4, 4, 8, 0}, {1, 1, 0, 2},
+                    {1, 1, 1, 1}, {0, 2, 1, 1}, {1, 1, 1, 1}, {64, 64, 64, 64}, {1, 1, 2, 0}, {1, 1, 4, 4}, {1, 4, 0, 0}},
                    words, wrong);
     // Little is left of numbers next to a border, and roundings of the digits that are added show.
     for (std::size_t i = 0; i < words.size(); ++i)

@@ -4,7 +4,7 @@
 
 #include "claray/program.hpp"
 #include "host/base/format.hpp"
-#include "host/verify/cases/bsdf.hpp"
+#include "host/verify/cases/rendering/bsdf.hpp"
 #include "host/verify/cases/cases.hpp"
 #include "host/verify/shapes.hpp"
 

@@ -19,9 +19,8 @@ struct DeviceShare {
 };
 
 /// Renders one image on several devices, of any platforms. Each pixel's samples are added in their order on one device
-/// at a time. Therefore devices of one driver and model give the image of a single one bit for bit, whatever their
-/// number and speeds. Devices of different drivers round some functions of shading differently: each pixel then has the
-/// bits of the devices that rendered it (docs/scale.md).
+/// at a time. Therefore all devices together give the image of a single one bit for bit, whatever their makes, number
+/// and speeds (docs/scale.md has the exceptions).
 class RenderGroup {
 public:
     /// Every device uploads the scene, builds its own structure and loads its own kernels, in a thread of its own. Work

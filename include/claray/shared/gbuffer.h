@@ -3,6 +3,7 @@
 #ifndef CLARAY_SHARED_GBUFFER_H
 #define CLARAY_SHARED_GBUFFER_H
 
+#include "claray/shared/angles.h"
 #include "claray/shared/portable.h"
 
 #ifndef __OPENCL_C_VERSION__
@@ -12,13 +13,10 @@
 CLARAY_SHARED_BEGIN
 
 #ifndef __OPENCL_C_VERSION__
-using std::atan2;
-using std::cos;
 using std::fabs;
 using std::floor;
 using std::fmax;
 using std::fmin;
-using std::sin;
 using std::sqrt;
 #endif
 
@@ -65,19 +63,18 @@ CLARAY_SHARED_FUNCTION UnitVector claray_unpack_octahedral(uint code) {
     return n;
 }
 
-#define CLARAY_GBUFFER_PI 3.14159265f
-
 /// Azimuth and angle from the z axis, each in equal steps. The mean error is that of the octahedron, at the price of
 /// transcendental functions.
 CLARAY_SHARED_FUNCTION uint claray_pack_spherical(UnitVector n) {
-    const float azimuth = (float)atan2(n.y, n.x) / (2.0f * CLARAY_GBUFFER_PI) + 0.5f;
-    return claray_unorm16(azimuth) | claray_unorm16((float)atan2(sqrt(n.x * n.x + n.y * n.y), n.z) / CLARAY_GBUFFER_PI)
-                                         << 16;
+    const float azimuth = 0.5f * (float)claray_half_turns(n.y, n.x) + 0.5f;
+    const float polar = (float)claray_half_turns(sqrt(n.x * n.x + n.y * n.y), n.z);
+    return claray_unorm16(azimuth) | claray_unorm16(polar) << 16;
 }
 CLARAY_SHARED_FUNCTION UnitVector claray_unpack_spherical(uint code) {
-    const float azimuth = (claray_from_unorm16(code) - 0.5f) * 2.0f * CLARAY_GBUFFER_PI;
-    const float polar = claray_from_unorm16(code >> 16) * CLARAY_GBUFFER_PI, radius = (float)sin(polar);
-    const UnitVector n = {radius * (float)cos(azimuth), radius * (float)sin(azimuth), (float)cos(polar)};
+    const float azimuth = 2.0f * claray_from_unorm16(code) - 1.0f, polar = claray_from_unorm16(code >> 16);
+    const float radius = (float)claray_sine(polar);
+    const UnitVector n = {radius * (float)claray_cosine(azimuth), radius * (float)claray_sine(azimuth),
+                          (float)claray_cosine(polar)};
     return n;
 }
 

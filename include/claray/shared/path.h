@@ -2,6 +2,8 @@
 #ifndef CLARAY_SHARED_PATH_H
 #define CLARAY_SHARED_PATH_H
 
+#include "claray/shared/lists/along_rays.h"
+#include "claray/shared/lists/tables.h"
 #include "claray/shared/scene.h"
 
 CLARAY_SHARED_BEGIN
@@ -44,18 +46,12 @@ CLARAY_LAYOUT(Batch, 20)
 /// Where the tables of a scene begin in their common buffer, in 32-bit words. CLARAY_NO_TABLE: the scene does not have
 /// this table.
 typedef struct SceneTables {
-    uint normals;             // float, 3 per vertex
-    uint triangle_materials;  // uint
-    uint materials;           // MaterialData
-    uint media;               // MediumData
-    uint energy;              // float, see energy.h
-    uint triangle_lights, punctual_lights, light_tree, light_leaves, light_trails, light_lists, hot_spots, lamps;
-    uint light_grid;                           // LightGrid
-    uint environment_texels, environment_cdf;  // float
-    uint listed_pixels;                        // uint, 2 per entry: those of the current round of adaptive sampling
-    uint guide;                                // uint, CLARAY_GUIDE_WORDS for each map of the path guide
+#define CLARAY_MEMBER(name) uint name;
+    CLARAY_TABLES(CLARAY_MEMBER)
+#undef CLARAY_MEMBER
 } SceneTables;
-CLARAY_LAYOUT(SceneTables, 72)
+#define CLARAY_TABLE_SIZE(name) +4
+CLARAY_LAYOUT(SceneTables, 0 CLARAY_TABLES(CLARAY_TABLE_SIZE))
 
 /// For studies: a ray that a rough surface scatters ends after `reach` and brings this radiance from there; a surface
 /// before reflects it once.
@@ -118,7 +114,7 @@ typedef struct FrameData {
     SceneTables tables;
     PathGuideData guide;
 } FrameData;
-CLARAY_LAYOUT(FrameData, 332 + sizeof(SkyData))
+CLARAY_LAYOUT(FrameData, 260 + sizeof(SkyData) + sizeof(SceneTables))
 
 /// Scalar parameters of a stage.
 typedef struct Step {
@@ -134,17 +130,25 @@ CLARAY_LAYOUT(Step, 36 + sizeof(FrameData))
 /// With this room, every array in a queue begins at a multiple of 1024 bytes, the alignment of sub-buffers.
 #define CLARAY_QUEUE_ROOM 256u
 
-/// A word of a ray queue. The queue consists of consecutive arrays with `room` elements each: Ray, PathState, RayCone
-/// (8 bytes), the media that the rays are in (ulong), and the rays' times (float).
+/// A word of a ray queue. The queue consists of consecutive arrays with `room` elements each: Ray, PathState, those of
+/// CLARAY_ALONG_RAYS, and the rays' times (float).
 typedef struct RayQueue {
     uint word;
 } RayQueue;
 CLARAY_LAYOUT(RayQueue, 4)
-#define CLARAY_QUEUE_STATES 8u  // words per path before the array
-#define CLARAY_QUEUE_CONES 16u
-#define CLARAY_QUEUE_MEDIA 18u
-#define CLARAY_QUEUE_TIMES 20u
-#define CLARAY_QUEUE_WORDS 21u
+/// Words per path before the arrays: of the states, of each of CLARAY_ALONG_RAYS by its name, of the times, and of all.
+#define CLARAY_ARRAY(name, type, words, EFFECT) \
+    CLARAY_QUEUE_##name, CLARAY_LAST_OF_##name = CLARAY_QUEUE_##name + words - 1,
+// clang-format off
+enum {
+    CLARAY_QUEUE_STATES = 8,
+    CLARAY_LAST_OF_STATES = 15,
+    CLARAY_ALONG_RAYS(CLARAY_ARRAY)
+    CLARAY_QUEUE_TIMES,
+    CLARAY_QUEUE_WORDS
+};
+// clang-format on
+#undef CLARAY_ARRAY
 
 /// A word of a shadow-ray queue: Ray, LightSample, and the rays' times.
 typedef struct ShadowQueue {

@@ -51,8 +51,8 @@ kernel void sample_order(global const BvhHeader* header, global const Ray* rays,
         const uint i = (uint)((ulong)(count - 1) * sample / SAMPLES);
         const Ray a = rays[i], b = rays[i + 1];
         const float3 p = (float3)(a.dx, a.dy, a.dz), q = (float3)(b.dx, b.dy, b.dz);
-        const float along = dot(p, q), apart = max(max(fabs(a.ox - b.ox), fabs(a.oy - b.oy)), fabs(a.oz - b.oz));
-        const bool same_way = along > 0.0f && along * along > 0.8f * dot(p, p) * dot(q, q);
+        const float along = dot_product(p, q), apart = max(max(fabs(a.ox - b.ox), fabs(a.oy - b.oy)), fabs(a.oz - b.oz));
+        const bool same_way = along > 0.0f && along * along > 0.8f * dot_product(p, p) * dot_product(q, q);
         unlike += !same_way && (apart == 0.0f || apart > near);
     }
     queue[2] = 2 * unlike >= SAMPLES;

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/verify/cases/bsdf.hpp"
+#include "host/verify/cases/rendering/bsdf.hpp"
 #include "tests/support/device.hpp"
 
 namespace claray::verify {
@@ -34,7 +34,7 @@ TEST(Bsdfs, AreAllTried) {
         EXPECT_TRUE(
             row.kind == MaterialKind::unlit ||
             std::any_of(tried.begin(), tried.end(), [&](const Kind& k) { return k.make(0.5f).kind == row.kind; }))
-            << row.name << " is missing in host/verify/cases/bsdf.cpp";
+            << row.name << " is missing in host/verify/cases/rendering/bsdf.cpp";
 }
 
 // ---- energy -----------------------------------------------------------------------------------------------------

@@ -5,7 +5,7 @@
 #include <complex>
 #include <numbers>
 
-#include "host/verify/cases/bsdf.hpp"
+#include "host/verify/cases/rendering/bsdf.hpp"
 #include "tests/render/scenes.hpp"
 #include "tests/render/textures/textures.hpp"
 #include "tests/support/device.hpp"

@@ -6,7 +6,7 @@
 #include <functional>
 #include <numbers>
 
-#include "host/verify/cases/bsdf.hpp"
+#include "host/verify/cases/rendering/bsdf.hpp"
 #include "tests/render/scenes.hpp"
 #include "tests/support/meshes.hpp"
 

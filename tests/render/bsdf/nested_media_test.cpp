@@ -1,16 +1,24 @@
 // Bodies of glass and liquid with something within (kernels/shade/media.clh), against closed forms along one line.
-#include "host/effects/nested_media.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
+#include "host/effects/parts/part.hpp"
 #include "tests/render/scenes.hpp"
 #include "tests/support/device.hpp"
 
 namespace claray::test {
 namespace {
+
+/// The materials of nested bodies by their rank.
+std::vector<std::uint32_t> nested_media(const Scene& scene) {
+    std::vector<std::uint32_t> found;
+    part_of(Effect::nested_media).find({scene, {}}, [&](const char*, const std::string&, std::size_t material) {
+        found.push_back(std::uint32_t(material));
+    });
+    return found;
+}
 
 /// A box of glass with outward faces.
 void add_body(Scene& scene, const glm::vec3& lo, const glm::vec3& hi, float ior, float left_after_1 = 1.f) {
@@ -125,7 +133,7 @@ TEST(NestedMedia, AreClosedAndOccupied) {
     EXPECT_TRUE(nested_media(scene).empty()) << "it stands on the square";
     scene.lights.resize(1), scene.lights[0].position = {0.f, 0.f, 0.f};
     EXPECT_EQ(nested_media(scene), std::vector<std::uint32_t>{1});
-    EXPECT_FALSE(with_overlapping_media(scene).has_value());
+    EXPECT_FALSE(part_of(Effect::nested_media).prepare(scene).has_value());
     scene.meshes[1].positions.push_back(scene.meshes[1].positions[0] + glm::vec3(3e-7f));
     scene.meshes[1].triangles[0].x = 8;
     EXPECT_EQ(nested_media(scene), std::vector<std::uint32_t>{1}) << "a corner is rounded twice";

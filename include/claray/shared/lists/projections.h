@@ -3,6 +3,7 @@
 #ifndef CLARAY_SHARED_LISTS_PROJECTIONS_H
 #define CLARAY_SHARED_LISTS_PROJECTIONS_H
 
+#include "claray/shared/angles.h"
 #include "claray/shared/portable.h"
 
 #ifndef __OPENCL_C_VERSION__
@@ -34,10 +35,8 @@ CLARAY_SHARED_BEGIN
 
 #ifdef __OPENCL_C_VERSION__
 typedef float ProjectionReal;
-#define CLARAY_HALF_TURN 3.14159265f
 #else
 using ProjectionReal = double;
-#define CLARAY_HALF_TURN 3.14159265358979323846
 #endif
 
 /// A ray in the camera's axes: multiples of CameraData's `right`, `up` and `forward`. It starts in the plane of the
@@ -77,14 +76,15 @@ CLARAY_SHARED_FUNCTION ProjectionPlace place_orthographic(ProjectionReal right, 
 
 /// All directions: x is the longitude, y the latitude (equirectangular, as images of surroundings are).
 CLARAY_SHARED_FUNCTION ProjectionRay aim_panorama(ProjectionReal x, ProjectionReal y) {
-    const ProjectionReal longitude = CLARAY_HALF_TURN * x, latitude = CLARAY_HALF_TURN / 2 * y;
-    const ProjectionRay ray = {0, 0, sin(longitude) * cos(latitude), sin(latitude), cos(longitude) * cos(latitude)};
+    const ProjectionReal longitude = x, latitude = y / 2;  // in half turns
+    const ProjectionReal level = claray_cosine(latitude);
+    const ProjectionRay ray = {0, 0, claray_sine(longitude) * level, claray_sine(latitude),
+                               claray_cosine(longitude) * level};
     return ray;
 }
 CLARAY_SHARED_FUNCTION ProjectionPlace place_panorama(ProjectionReal right, ProjectionReal up, ProjectionReal forward) {
     const ProjectionReal aside = sqrt(right * right + forward * forward);
-    const ProjectionPlace place = {atan2(right, forward) / CLARAY_HALF_TURN, atan2(up, aside) / (CLARAY_HALF_TURN / 2),
-                                   1};
+    const ProjectionPlace place = {claray_half_turns(right, forward), 2 * claray_half_turns(up, aside), 1};
     return place;
 }
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "host/base/format.hpp"
-#include "host/verify/cases/bsdf.hpp"
+#include "host/verify/cases/rendering/bsdf.hpp"
 #include "host/verify/cases/cases.hpp"
 
 namespace claray::verify {

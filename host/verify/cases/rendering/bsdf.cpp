@@ -1,4 +1,4 @@
-#include "host/verify/cases/bsdf.hpp"
+#include "host/verify/cases/rendering/bsdf.hpp"
 
 #include <algorithm>
 #include <complex>

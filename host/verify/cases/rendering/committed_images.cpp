@@ -2,13 +2,14 @@
 // own, and all else that renders give. Lights, layers of materials and samplers have no closed form together, but every
 // device must find the same light by the same random numbers.
 #include <algorithm>
+#include <bit>
 
 #include "claray/effects.hpp"
 #include "claray/renderer.hpp"
 #include "host/base/format.hpp"
-#include "host/verify/cases/bsdf.hpp"
+#include "host/verify/cases/rendering/bsdf.hpp"
 #include "host/verify/cases/cases.hpp"
-#include "host/verify/cases/committed/expected_values.hpp"
+#include "host/verify/cases/committed.hpp"
 #include "host/verify/scenes.hpp"
 #include "host/verify/shapes.hpp"
 
@@ -18,27 +19,20 @@ namespace {
 RenderConfig small_image(unsigned spp) { return {.width = 32, .height = 24, .spp = spp, .seed = 5}; }
 
 /// All but the work of the traversal, which depends on the layout of the tree.
-std::vector<float> numbers_of(const Aovs& aovs, unsigned width) {
-    std::vector<float> all;
-    const auto add = [&](std::span<const float> values, unsigned channels) {
-        const std::vector<float> sums = sums_of_blocks(values, width, channels, 8);
-        all.insert(all.end(), sums.begin(), sums.end());
+std::vector<float> numbers_of(const Aovs& aovs) {
+    std::vector<float> all = aovs.depth;
+    const auto add_numbers = [&](const std::vector<std::uint32_t>& numbers) {
+        for (const std::uint32_t number : numbers) all.push_back(std::bit_cast<float>(number));
     };
-    const auto add_numbers = [&](const auto& values, double missing) {
-        std::vector<float> floats;
-        for (const auto value : values) floats.push_back(double(value) < missing ? float(value) : -1.f);
-        add(floats, 1);
-    };
-    add_numbers(aovs.depth, 1e30), add_numbers(aovs.primitive, CLARAY_MISS), add_numbers(aovs.material, CLARAY_MISS);
-    add({&aovs.normal[0].x, 3 * aovs.normal.size()}, 3), add({&aovs.albedo[0].x, 3 * aovs.albedo.size()}, 3);
+    add_numbers(aovs.primitive), add_numbers(aovs.material);
+    for (const std::vector<glm::vec3>* vectors : {&aovs.normal, &aovs.albedo})
+        for (const glm::vec3& v : *vectors) all.insert(all.end(), {v.x, v.y, v.z});
     return all;
 }
 
-std::vector<float> as_floats(std::span<const std::uint8_t> bytes) { return {bytes.begin(), bytes.end()}; }
-
 void compare_render(const Run& run, Committed& committed, const std::string& name, const Scene& scene,
                     const RenderConfig& config) {
-    committed.compare_image(name, render(run, scene, config), config.width);
+    committed.compare(name, render(run, scene, config));
 }
 
 // ---- every effect ------------------------------------------------------------------------------------------------
@@ -87,35 +81,23 @@ void effect_images(Run& run) {
         config.effects.add = full_effects();
         Renderer renderer(run.device(), *scene, config);
         renderer.render();
-        images.compare_image(name, renderer.image(), config.width);
-        if (has_surfaces_of_its_own(effect))
-            surfaces.compare(name + " surfaces", numbers_of(renderer.aovs(), config.width));
+        images.compare(name, renderer.image());
+        if (has_surfaces_of_its_own(effect)) surfaces.compare(name + " surfaces", numbers_of(renderer.aovs()));
     }
-    {
-        RenderConfig config = small_image(8);
-        config.effects.add = full_effects();
-        compare_render(run, images, "grazing views", grazing_views(), config);
-    }
-    for (const char* const name : {"effect:normal-maps", "effect:height-maps", "effect:anisotropy"}) {
-        RenderConfig config = small_image(8);
-        config.effects.add = full_effects();
+    RenderConfig config = small_image(8);
+    config.effects.add = full_effects();
+    compare_render(run, images, "grazing views", grazing_views(), config);
+    for (const char* const name : {"effect:normal-maps", "effect:height-maps", "effect:anisotropy"})
         compare_render(run, images, name + std::string(" in small"), in_small(*builtin_scene(name)), config);
-    }
-    images.check("sums of light");
-    surfaces.check("sums of depths, numbers, normals and albedos");
+    images.check("images");
+    surfaces.check("depths, numbers, normals and albedos");
 }
 
 // ---- materials ---------------------------------------------------------------------------------------------------
 
-/// Sums of samples with a weight for each, so that no two samples' errors cancel.
-void add_sums(const std::vector<Sampled>& samples, std::vector<float>& to) {
-    for (const auto member : {&Sampled::x, &Sampled::y, &Sampled::z, &Sampled::weight, &Sampled::pdf,
-                              &Sampled::eval_value, &Sampled::eval_pdf}) {
-        double sum = 0;
-        for (std::size_t i = 0; i < samples.size(); ++i)
-            if (samples[i].valid) sum += (1 + double(i * 7 % 64) / 64) * std::min(samples[i].*member, 1e4f);
-        to.push_back(float(sum));
-    }
+void add_values(const std::vector<Sampled>& samples, std::vector<float>& to) {
+    for (const Sampled& s : samples)
+        if (s.valid) to.insert(to.end(), {s.x, s.y, s.z, s.weight, s.pdf, s.eval_value, s.eval_pdf});
 }
 
 /// Samples by random numbers of all kinds, the least and the largest among them, and values for given directions.
@@ -127,25 +109,22 @@ void bsdf_values(Run& run) {
             const glm::vec3 d = at_angle(theta, phi);
             directions.insert(directions.end(), {d.x, d.y, d.z});
         }
-    for (const Kind& kind : bsdf_kinds())
+    for (const Kind& kind : bsdf_kinds()) {
+        std::vector<float> all;
         for (const float roughness : {0.f, 0.1f, 0.35f, 1.f}) {
             const TestedMaterial material = tested(run.device(), kind, roughness);
-            std::vector<float> sums;
             for (const double theta : {0.9, 1.5703}) {
                 const glm::vec3 outgoing = at_angle(theta);
-                add_sums(material.draw(outgoing, 64, 0xffffffffu), sums);  // EXTREME_NUMBERS of kernels/verify/bsdf.clh
-                add_sums(material.draw(outgoing, 2048, 5), sums);
+                add_values(material.draw(outgoing, 64, 0xffffffffu),
+                           all);  // EXTREME_NUMBERS of kernels/verify/bsdf.clh
+                add_values(material.draw(outgoing, 2048, 5), all);
                 const auto [found, pdfs] = material.evaluate(outgoing, directions);
-                for (const std::vector<float>& all : {found, pdfs})
-                    for (std::size_t part = 0; part < 3; ++part) {
-                        double sum = 0;
-                        for (std::size_t i = part; i < all.size(); i += 3) sum += double(i + 8) * all[i];
-                        sums.push_back(float(sum));
-                    }
+                all.insert(all.end(), found.begin(), found.end()), all.insert(all.end(), pdfs.begin(), pdfs.end());
             }
-            values.compare(printed("%s, roughness %.2f", kind.name, double(roughness)), sums);
         }
-    values.check("sums of samples and values", 7);  // of one sample
+        values.compare(kind.name, all);
+    }
+    values.check("samples and values");
 }
 
 // ---- a scene's own kernels ---------------------------------------------------------------------------------------
@@ -206,16 +185,15 @@ void own_images(Run& run) {
         const RenderConfig config = small_image(16);
         Renderer renderer(run.device(), *builtin_scene(name), config);
         renderer.render();
-        images.compare_image(name, renderer.image(), config.width);
-        others.compare(name + std::string(" surfaces"), numbers_of(renderer.aovs(), config.width));
+        images.compare(name, renderer.image());
+        others.compare(name + std::string(" surfaces"), numbers_of(renderer.aovs()));
         if (name != std::string("cornell")) continue;
         const std::vector<float> noise = renderer.noise_map();
-        others.compare("cornell noise", sums_of_blocks(noise, config.width, 1, 8));
+        others.compare("cornell noise", noise);
         const auto larger = renderer.image(40, 40);
-        others.compare("cornell in another size", sums_of_blocks({&larger[0].x, 3 * larger.size()}, 40, 3, 8));
-        others.compare("cornell in bytes",
-                       sums_of_blocks(as_floats(renderer.picture({.exposure = 1.f})), config.width, 4, 8));
-        const float cut_off[] = {float(renderer.cut_off())};
+        others.compare("cornell in another size", larger);
+        others.compare("cornell in bytes", renderer.picture({.exposure = 1.f}));
+        const std::vector<float> cut_off = {float(renderer.cut_off())};
         others.compare("cornell cut off", cut_off);
     }
     for (const char* const name : {"effect:instances", "effect:instance-motion", "effect:primitives"})
@@ -238,7 +216,7 @@ void own_images(Run& run) {
     adaptive.render();
     run.check("adaptive renders that give all pixels the same samples", 1, adaptive.statistics().adapted ? 0 : 1, 0,
               "");
-    images.compare_image("cornell, adaptive", adaptive.image(), config.width);
+    images.compare("cornell, adaptive", adaptive.image());
     config = small_image(32);
     config.error = 1e-6;
     compare_render(run, images, "cornell to an error", cornell, config);
@@ -247,8 +225,8 @@ void own_images(Run& run) {
     compare_render(run, images, "cornell, clamped", cornell, config);
     config.sample_clamp = 0, config.sampler = Sampler::independent;
     compare_render(run, images, "cornell, independent samples", cornell, config);
-    images.check("sums of light");
-    others.check("other sums");
+    images.check("images");
+    others.check("other results");
 }
 
 // ---- approximations ----------------------------------------------------------------------------------------------
@@ -293,10 +271,10 @@ void approximate_images(Run& run) {
         Renderer renderer(run.device(), cornell, config);
         renderer.render();
         const std::string name = "cornell by a grid, " + to_string(grid);
-        images.compare_image(name, renderer.image(), config.width);
-        if (grid.voxels) images.compare_image(name + ", its voxels", renderer.voxels(), config.width);
+        images.compare(name, renderer.image());
+        if (grid.voxels) images.compare(name + ", its voxels", renderer.voxels());
     }
-    images.check("sums of light");
+    images.check("images");
 }
 
 // ---- without noise, with guides, into maps -----------------------------------------------------------------------
@@ -308,11 +286,9 @@ void denoised_images(Run& run) {
         const RenderConfig config{.width = 64, .height = 48, .spp = 4, .seed = 5};
         Renderer renderer(run.device(), scene, config);
         renderer.render();
-        images.compare_image(name + std::string(", denoised"), renderer.denoised(DenoiserKind::claray), config.width);
+        images.compare(name + std::string(", denoised"), renderer.denoised(DenoiserKind::claray));
         for (int frame = 0; frame < 3; ++frame) {
-            const auto bytes = as_floats(renderer.denoised_picture());
-            images.compare(name + std::string(", frame ") + std::to_string(frame),
-                           sums_of_blocks(bytes, config.width, 4, 8));
+            images.compare(name + std::string(", frame ") + std::to_string(frame), renderer.denoised_picture());
             scene.camera->position.x += 0.02f * glm::length(scene.camera->target - scene.camera->position);
             renderer.update(scene, {.camera = true});
             renderer.render();
@@ -325,14 +301,14 @@ void denoised_images(Run& run) {
     for (const char* const name : noisy) {
         Renderer renderer(run.device(), *builtin_scene(name), common);
         renderer.render();
-        images.compare_image(name + std::string(", denoised"), renderer.denoised(DenoiserKind::claray), common.width);
+        images.compare(name + std::string(", denoised"), renderer.denoised(DenoiserKind::claray));
     }
     const RenderConfig config{.width = 512, .height = 384, .spp = 1, .seed = 5};
     Renderer renderer(run.device(), *builtin_scene("spheres"), config);
     renderer.render();
     const auto image = renderer.denoised(DenoiserKind::claray);
-    images.compare("spheres, denoised and large", sums_of_blocks({&image[0].x, 3 * image.size()}, config.width, 3, 32));
-    images.check("sums of light");
+    images.compare("spheres, denoised and large", image);
+    images.check("images");
 }
 
 void guided_images(Run& run) {
@@ -343,8 +319,8 @@ void guided_images(Run& run) {
     renderer.render();
     run.check("renders without guides", 1, renderer.statistics().guided ? 0 : 1, 0, "");
     const auto image = renderer.image();
-    images.compare("cornell, guided", sums_of_blocks({&image[0].x, 3 * image.size()}, config.width, 3, 16));
-    images.check("sums of light");
+    images.compare("cornell, guided", image);
+    images.check("images");
 }
 
 void baked_light(Run& run) {
@@ -357,8 +333,8 @@ void baked_light(Run& run) {
     scene.sky.horizon = glm::vec3(0.2f), scene.sky.zenith = glm::vec3(0.5f);
     const Texture map =
         bake_light_map(run.device(), scene, 0, {.width = 32, .height = 16, .spp = 16, .seed = 5, .uv_set = 0});
-    maps.compare("a baked floor", sums_of_blocks(map.floats, map.width, map.channels, 4));
-    maps.check("sums of light");
+    maps.compare("a baked floor", map.floats);
+    maps.check("images");
 }
 
 }  // namespace

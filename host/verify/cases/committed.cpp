@@ -1,10 +1,10 @@
-#include "host/verify/cases/committed/expected_hashes.hpp"
+#include "host/verify/cases/committed.hpp"
 
 #include <map>
 
 namespace claray::verify {
 
-std::string expected_hash(const std::string& name) {
+std::string committed_hash(const std::string& name) {
     static const std::map<std::string, std::string> hashes = {
         {"tree soup fast", "463901572a4fb168da072f8a408aed1b"},
         {"tree soup balanced", "9e25db2bd67972aa863ac919592416e7"},
@@ -52,6 +52,12 @@ std::string expected_hash(const std::string& name) {
     };
     const auto found = hashes.find(name);
     return found == hashes.end() ? std::string() : found->second;
+}
+
+void Committed::compare_hash(const std::string& name, const std::string& hash) {
+    const bool right = hash == committed_hash(name);
+    tally_.add(right);
+    if (!right) run_.failure(name + " has the hash " + hash);
 }
 
 }  // namespace claray::verify

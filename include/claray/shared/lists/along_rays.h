@@ -1,0 +1,19 @@
+// The list of what goes along with a ray from one surface to the next, besides its time. The members of PathSegment and of
+// Sight, and the arrays of RayQueue are made from it.
+#ifndef CLARAY_SHARED_LISTS_ALONG_RAYS_H
+#define CLARAY_SHARED_LISTS_ALONG_RAYS_H
+
+// A row is X(name, type, words, EFFECT): a member of PathSegment, its type, its size in 32-bit words, and the effect
+// under which surfaces set it and rays read it. Rows of an even number of words keep the queue's arrays aligned.
+//   cone   where the ray begins; of a camera ray: camera_cone
+//   media  that the ray is in (kernels/shade/media.clh); of a camera ray: none
+// clang-format off
+/// What the denoiser's guides take along, too. They see maps by the cones of camera rays.
+#define CLARAY_ALONG_SIGHTS(X) \
+    X(media, ulong, 2, NESTED_MEDIA)
+#define CLARAY_ALONG_RAYS(X)    \
+    X(cone, RayCone, 2, MIPMAPS) \
+    CLARAY_ALONG_SIGHTS(X)
+// clang-format on
+
+#endif
