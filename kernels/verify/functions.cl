@@ -1,4 +1,5 @@
 // The functions of kernels/math/functions.clh, and divisions and square roots, on which they rely, of numbers and of vectors.
+#include "bvh/sbvh/references.clh"
 #include "math/vector.clh"
 
 #define FUNCTIONS 12u
@@ -30,4 +31,13 @@ kernel void evaluate_vectors(uint count, global const float* x, global const flo
     const float16 a = vload16(i, x), b = vload16(i, y);
     vstore16(a / b, i, quotients);
     vstore16(sqrt(fabs(a)), i, roots);
+}
+
+/// The division of builders. Three per number: alone, in a lane of four, in a lane of sixteen.
+kernel void strict_reciprocals_of(uint count, global const float* x, global float* out) {
+    const uint i = get_global_id(0);
+    if (i >= count) return;
+    out[3 * i] = strict_reciprocal(x[i]);
+    out[3 * i + 1] = strict_reciprocals((float4)(1.0f, 2.0f, x[i], 3.0f)).z;
+    out[3 * i + 2] = strict_reciprocals16((float16)(x[i])).s9;
 }

@@ -5,7 +5,7 @@
 // verify/graze_boxes.cl (boxes), verify/harmonics.cl (spherical-harmonics), verify/leave_surface.cl
 // (self-intersection), verify/look_back.cl (sort), verify/microfacets.cl (fresnel, ggx-density, ggx-energy),
 // verify/random_numbers.cl (random-numbers, light-descents), verify/shading_normals.cl (shading normals),
-// verify/strict_reciprocals.cl (approximations), verify/wave_equation.cl (waves).
+// verify/functions.cl (functions, approximations), verify/wave_equation.cl (waves).
 #include "claray/verify.hpp"
 
 #include <gtest/gtest.h>

@@ -18,6 +18,11 @@ template <class Values>
     return hash128(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
 }
 
+/// For what GPUs compute in another order than CPUs, for speed: sums of light grids and tiles, filters.
+[[nodiscard]] inline std::string of_kind(const Run& run, const std::string& name) {
+    return name + (run.device().info().type == DeviceType::cpu ? "" : ", as GPUs do it");
+}
+
 /// Collects comparisons with the committed hashes.
 class Committed {
 public:

@@ -125,7 +125,7 @@ void approximations(Run& run) {
     run.check("near_sqrt", count, worst[2] * 0x1p21, 1, "* 2^-21");
     // Builders divide by + - * and fma alone, which the host repeats.
     const Buffer<float> strict(run.device(), 3 * std::size_t(count));
-    load_kernel(run.device(), "verify/strict_reciprocals.cl", "strict_reciprocals_of")
+    load_kernel(run.device(), "verify/functions.cl", "strict_reciprocals_of")
         .run({count, 64}, count, arg("x", Buffer<float>(run.device(), x)), arg("out", strict));
     const auto reciprocals = strict.read();
     Tally wrong;

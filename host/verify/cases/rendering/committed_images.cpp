@@ -7,9 +7,9 @@
 #include "claray/effects.hpp"
 #include "claray/renderer.hpp"
 #include "host/base/format.hpp"
-#include "host/verify/cases/rendering/bsdf.hpp"
 #include "host/verify/cases/cases.hpp"
 #include "host/verify/cases/committed.hpp"
+#include "host/verify/cases/rendering/bsdf.hpp"
 #include "host/verify/scenes.hpp"
 #include "host/verify/shapes.hpp"
 
@@ -236,7 +236,7 @@ void approximate_images(Run& run) {
     const Scene lights = many_lights(), cornell = *builtin_scene("cornell");
     RenderConfig config{.width = 80, .height = 60, .spp = 2, .seed = 5};
     config.approximate.tile_sum = true;
-    compare_render(run, images, "tiles of lights", lights, config);
+    compare_render(run, images, of_kind(run, "tiles of lights"), lights, config);
     config.approximate.flat = true;
     compare_render(run, images, "tiles of lights, flat", lights, config);
     config.approximate.flat = false, config.approximate.gouraud = true;
@@ -255,12 +255,13 @@ void approximate_images(Run& run) {
     aimed.camera = narrow_camera(target + glm::vec3(0.f, 3.f, 0.1f), target);
     RenderConfig tile = small_image(1);
     tile.approximate.tile_sum = true;
-    compare_render(run, images, "spots that aim at a tile", aimed, tile);
+    compare_render(run, images, of_kind(run, "spots that aim at a tile"), aimed, tile);
     config = small_image(8);
     for (const auto flag : {&Approximations::flat, &Approximations::gouraud, &Approximations::no_shadows}) {
         config.approximate = {};
         config.approximate.*flag = true;
-        compare_render(run, images, "cornell, " + to_string(config.approximate), cornell, config);
+        const std::string name = "cornell, " + to_string(config.approximate);
+        compare_render(run, images, config.approximate.gouraud ? of_kind(run, name) : name, cornell, config);
     }
     config.approximate = {.light_grid = true};
     for (const LightGridConfig& grid :
@@ -270,7 +271,7 @@ void approximate_images(Run& run) {
         config.light_grid = grid;
         Renderer renderer(run.device(), cornell, config);
         renderer.render();
-        const std::string name = "cornell by a grid, " + to_string(grid);
+        const std::string name = of_kind(run, "cornell by a grid, " + to_string(grid));
         images.compare(name, renderer.image());
         if (grid.voxels) images.compare(name + ", its voxels", renderer.voxels());
     }
@@ -286,7 +287,7 @@ void denoised_images(Run& run) {
         const RenderConfig config{.width = 64, .height = 48, .spp = 4, .seed = 5};
         Renderer renderer(run.device(), scene, config);
         renderer.render();
-        images.compare(name + std::string(", denoised"), renderer.denoised(DenoiserKind::claray));
+        images.compare(of_kind(run, name + std::string(", denoised")), renderer.denoised(DenoiserKind::claray));
         for (int frame = 0; frame < 3; ++frame) {
             images.compare(name + std::string(", frame ") + std::to_string(frame), renderer.denoised_picture());
             scene.camera->position.x += 0.02f * glm::length(scene.camera->target - scene.camera->position);
@@ -301,17 +302,18 @@ void denoised_images(Run& run) {
     for (const char* const name : noisy) {
         Renderer renderer(run.device(), *builtin_scene(name), common);
         renderer.render();
-        images.compare(name + std::string(", denoised"), renderer.denoised(DenoiserKind::claray));
+        images.compare(of_kind(run, name + std::string(", denoised")), renderer.denoised(DenoiserKind::claray));
     }
     const RenderConfig config{.width = 512, .height = 384, .spp = 1, .seed = 5};
     Renderer renderer(run.device(), *builtin_scene("spheres"), config);
     renderer.render();
     const auto image = renderer.denoised(DenoiserKind::claray);
-    images.compare("spheres, denoised and large", image);
+    images.compare(of_kind(run, "spheres, denoised and large"), image);
     images.check("images");
 }
 
 void guided_images(Run& run) {
+    if (run.device().info().type != DeviceType::cpu) return run.fact("guides", "CPUs alone guide paths");
     Committed images(run);
     const ScopedTuning always(run.device(), "render/path_guide", "LEAST_GAIN_PERCENT", 1);
     const RenderConfig config{.width = 128, .height = 128, .spp = 24, .seed = 5};
