@@ -22,7 +22,7 @@ namespace {
 
 using namespace ranks;
 
-const Hello own_hello{"a version", "options", "host", {"a device"}, {"a model"}};
+const Hello own_hello{"a version", "options", "host", {"a device"}};
 const RenderConfig config{.width = 61, .height = 43, .spp = 24};
 
 /// A message as a rank should send it.
@@ -47,7 +47,7 @@ Forge with(const std::function<void(RemoteReport&)>& change) {
 const std::vector<Forge> of_hello = {
     [](Sent& sent) { sent.bytes = cut(sent.bytes); },
     [](Sent& sent) {
-        sent.bytes = to_bytes(Hello{own_hello.version, own_hello.options, "h", {}, {}});
+        sent.bytes = to_bytes(Hello{own_hello.version, own_hello.options, "h", {}});
     },
     [](Sent& sent) { sent.kind = MessageKind::rendered; },
     [](Sent& sent) {
