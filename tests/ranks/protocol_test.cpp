@@ -95,7 +95,7 @@ TEST(Protocol, RefusesWhatCannotBe) {
     const auto refused = [](const std::string& why, const std::function<void()>& read) {
         EXPECT_TRUE(throws_error(ErrorKind::user, "a message of another rank " + why, read));
     };
-    const Hello hello{"v", "o", "h", {"a"}, {"a, p 1"}};
+    const Hello hello{"v", "o", "h", {"a"}};
     refused("is too long", [&] { (void)hello_from(to_bytes(hello) + "x"); });
     refused("names no device", [&] { (void)hello_from(to_bytes(Hello{"v", "o", "h", {}})); });
     for (const int code : {0, 4, -1, 1 << 20})
