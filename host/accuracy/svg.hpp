@@ -7,10 +7,11 @@
 
 namespace claray::svg {
 
-/// As text between tags.
+/// As text between tags or in quotation marks.
 [[nodiscard]] inline std::string escaped(const std::string& text) {
     std::string out;
-    for (const char c : text) out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : std::string(1, c);
+    for (const char c : text)
+        out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '"' ? "&quot;" : std::string(1, c);
     return out;
 }
 

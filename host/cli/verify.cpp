@@ -15,6 +15,7 @@
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/output/outputs.hpp"
 #include "host/cli/output/table.hpp"
+#include "host/cli/output/verify_reports.hpp"
 #include "host/measure/compare.hpp"
 
 namespace claray::cli {
@@ -24,7 +25,7 @@ struct VerifyCommandOptions {
     VerifyOptions verify;
     std::vector<std::string> cases;
     std::string device, json;
-    std::filesystem::path html;
+    std::filesystem::path html, tap, junit;
     std::vector<std::string> scenes = {"cornell",        "spheres",    "crate",     "hills",     "effects",
                                        "terrain:200000", "soup:50000", "fan:50000", "hair:50000"};
     int rounds = 9;
@@ -85,17 +86,21 @@ nlohmann::ordered_json as_json(const VerifyResult& result) {
                           {"time", c.time},
                           {"holds", c.holds()}});
     for (const auto& [name, value] : result.facts) facts[name] = value;
-    return {{"case", result.name}, {"holds", result.holds()},     {"seconds", result.seconds},
-            {"seed", result.seed}, {"command", result.command},   {"checks", checks},
-            {"facts", facts},      {"failures", result.failures}, {"kernels", result.kernels}};
+    return {{"case", result.name}, {"holds", result.holds()},    {"seconds", result.seconds},
+            {"seed", result.seed}, {"command", result.command},  {"checks", checks},
+            {"facts", facts},      {"failures", result.failures}};
 }
 
 std::string json_of(const Device& device, const VerifyCommandOptions& options, const std::vector<VerifyResult>& results,
                     double seconds) {
     nlohmann::ordered_json cases = nlohmann::ordered_json::array();
-    for (const VerifyResult& result : results) cases.push_back(as_json(result));
+    for (const VerifyResult& result : results) {
+        cases.push_back(as_json(result));
+        if (options.verify.kernels) cases.back()["kernels"] = result.kernels;
+    }
     const nlohmann::ordered_json report = {
         {"device", device.info().name},
+        {"platform", device.info().platform},
         {"driver", device.info().driver},
         {"effort", options.full ? "full" : "quick"},
         {"seconds", seconds},
@@ -256,7 +261,10 @@ void compare(const VerifyCommandOptions& options, const VerifyOptions& how) {
 void verify(const VerifyCommandOptions& options) {
     if (options.list) return list_cases();
     const bool json_to_output = options.json == "-";
-    check_outputs({{"--json", json_to_output ? "" : options.json}, {"--html", options.html}});
+    check_outputs({{"--json", json_to_output ? "" : options.json},
+                   {"--html", options.html},
+                   {"--tap", options.tap},
+                   {"--junit", options.junit}});
     VerifyOptions how = options.verify;
     how.effort = options.full ? Effort::full : Effort::quick;
     check_verify_cases(options.cases);
@@ -282,7 +290,12 @@ void verify(const VerifyCommandOptions& options) {
         std::fputs(json.c_str(), stdout);
     else if (!options.json.empty())
         writes.attempt([&] { write_file(options.json, json); });
-    if (!options.html.empty()) writes.attempt([&] { write_file(options.html, html_of(device.info(), results)); });
+    const auto write_report = [&](const std::filesystem::path& path, const auto& report) {
+        if (!path.empty()) writes.attempt([&] { write_file(path, report()); });
+    };
+    write_report(options.html, [&] { return html_of(device.info(), results); });
+    write_report(options.tap, [&] { return tap_of(results); });
+    write_report(options.junit, [&] { return junit_of(device.info(), results); });
     const auto failed = std::count_if(results.begin(), results.end(), [](const VerifyResult& r) { return !r.holds(); });
     if (!json_to_output && failed == 0)
         std::printf(
@@ -333,16 +346,18 @@ void add_verify_command(CLI::App& app, Action& action) {
         ->transform(whole_number(1, 64));
     command->add_option("--json", o->json, "Write the results as JSON to this file; - means standard output");
     command->add_option("--html", o->html, "Write an HTML report with pictures of failures");
+    command->add_option("--tap", o->tap, "Write the results for the Test Anything Protocol, version 14");
+    command->add_option("--junit", o->junit, "Write the results as JUnit's XML, for build servers");
     command->add_option("--device", o->device, "cpu, gpu, an index or part of a name (see claray devices)");
     command->callback([&action, command, o] {
         refuse_both(*command, "--quick", {"--full"}, "choose one");
         refuse_without(*command, "--scene", "--compare");
         refuse_without(*command, "--rounds", "--compare");
-        refuse_both(*command, "--compare", {"--html", "--no-times", "--kernels"},
+        refuse_both(*command, "--compare", {"--html", "--tap", "--junit", "--no-times", "--kernels"},
                     "--compare prints failures and times");
         refuse_both(*command, "--list",
                     {"--quick", "--full", "--case", "--compare", "--kernels", "--seed", "--no-times", "--json",
-                     "--html", "--device"},
+                     "--html", "--tap", "--junit", "--device"},
                     "--list runs no case");
         action = [o] { verify(*o); };
     });

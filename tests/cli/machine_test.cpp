@@ -30,7 +30,7 @@ protected:
 TEST_F(Machine, WithTwoDriversRendersTheImageOfOne) {
     const auto render = [&](const char* device, const std::string& image) {
         const ProcessResult result =
-            run_claray({"render", "spheres", "--device", device, "--size", "24x24", "--spp", "4", "-o", image, "-q"},
+            run_claray({"render", "cornell", "--device", device, "--size", "24x24", "--spp", "4", "-o", image, "-q"},
                        {{"POCL_DEVICES", "basic pthread"}});
         EXPECT_EQ(result.exit_code, 0) << result.errors;
         EXPECT_EQ(result.errors, "");

@@ -47,6 +47,7 @@ TEST(VerifyCommand, TellsWhichKernelsTheCasesRun) {
 TEST(VerifyCommand, NoticesATextbookKernel) {
     const TemporaryFolder folder;
     const std::string tuning = (folder / "batch.txt").string(), html = (folder / "report.html").string();
+    const std::string tap = (folder / "report.tap").string(), junit = (folder / "report.xml").string();
     for (const char* part : {"kernels", "include"})
         std::filesystem::copy(std::filesystem::path(CLARAY_SOURCE_DIR) / part, folder / part,
                               std::filesystem::copy_options::recursive);
@@ -55,8 +56,9 @@ TEST(VerifyCommand, NoticesATextbookKernel) {
     std::ofstream(textbook) << "#define CLARAY_TEXTBOOK_TRIANGLES 1\n" << shipped;
     std::ofstream(tuning) << "* trace/closest_hit BATCH 0\n";
     const Variables environment = {{"CLARAY_TUNING", tuning}, {"CLARAY_KERNEL_DIR", (folder / "kernels").string()}};
-    const ProcessResult result = run_claray(
-        {"verify", "--case", "edges", "--case", "float-atomics", "--seed", "3", "--html", html}, environment);
+    const ProcessResult result = run_claray({"verify", "--case", "edges", "--case", "float-atomics", "--seed", "3",
+                                             "--html", html, "--tap", tap, "--junit", junit},
+                                            environment);
     EXPECT_EQ(result.exit_code, 3);
     EXPECT_NE(result.errors.find("1 of 2 cases fail"), std::string::npos) << result.errors;
     EXPECT_NE(result.output.find("repeat: claray verify --case edges --quick --seed 3"), std::string::npos);
@@ -65,6 +67,12 @@ TEST(VerifyCommand, NoticesATextbookKernel) {
     EXPECT_NE(report.find("<svg"), std::string::npos) << "no picture of the leak";
     EXPECT_EQ(report.find("http"), std::string::npos) << "it must need nothing from elsewhere";
     EXPECT_NE(report.find("</html>"), std::string::npos);
+    const std::string lines = read_file(tap), xml = read_file(junit);
+    EXPECT_TRUE(lines.starts_with("TAP version 14\n1..2\nnot ok 1 - edges\n  ---\n  reasons: |\n")) << lines;
+    EXPECT_TRUE(lines.ends_with("  ...\nok 2 - float-atomics\n")) << lines;
+    EXPECT_NE(xml.find("tests=\"2\" failures=\"1\""), std::string::npos) << xml;
+    EXPECT_NE(xml.find("<testcase classname=\"verify\" name=\"edges\""), std::string::npos) << xml;
+    EXPECT_NE(xml.find("repeat: claray verify --case edges --quick --seed 3"), std::string::npos) << xml;
 }
 
 TEST(VerifyCommand, RefusesWhatItDoesNotKnow) {
