@@ -105,7 +105,7 @@ static CLARAY_OUTLINED void see(PathState state, const Step* step, SCENE_PARAMET
     float3 glow, albedo = (float3)(0.0f);
     ShadingPoint at;
     PathSegment segment = camera_segment(frame, ray, time);
-#define CLARAY_LOAD(name, type, words, EFFECT) segment.name = sight.name;
+#define CLARAY_LOAD(name, type, words, TAKEN) segment.name = sight.name;
     CLARAY_ALONG_SIGHTS(CLARAY_LOAD)
 #undef CLARAY_LOAD
     const bool goes_on = arrive(0, step, &lights, 0u, SCENE, &segment, found, 0, &state, &glow, &at);
@@ -125,8 +125,8 @@ static CLARAY_OUTLINED void see(PathState state, const Step* step, SCENE_PARAMET
     }
     if (next->wanted) {
         sight.pdf = next->state.pdf;
-#define CLARAY_STORE(name, type, words, EFFECT) \
-        if (EFFECT) sight.name = next->segment.name;
+#define CLARAY_STORE(name, type, words, TAKEN) \
+        if (TAKEN) sight.name = next->segment.name;
         CLARAY_ALONG_SIGHTS(CLARAY_STORE)
 #undef CLARAY_STORE
         sight.passed = max(sight.passed, next->state.pdf > 0.0f ? CLARAY_BY_GLOSS : CLARAY_BY_MIRROR);

@@ -50,7 +50,7 @@ typedef struct CLARAY_ALIGNED(16) Sight {
     float gloss_r, gloss_g, gloss_b;
     float pdf;    // density of the direction of the next ray; 0: a mirror's
     uint passed;  // on by mirrors: CLARAY_BY_MIRROR, or also by an almost mirror: CLARAY_BY_GLOSS
-#define CLARAY_MEMBER(name, type, words, EFFECT) type name;
+#define CLARAY_MEMBER(name, type, words, TAKEN) type name;
     CLARAY_ALONG_SIGHTS(CLARAY_MEMBER)
 #undef CLARAY_MEMBER
 } Sight;

@@ -137,7 +137,7 @@ typedef struct RayQueue {
 } RayQueue;
 CLARAY_LAYOUT(RayQueue, 4)
 /// Words per path before the arrays: of the states, of each of CLARAY_ALONG_RAYS by its name, of the times, and of all.
-#define CLARAY_ARRAY(name, type, words, EFFECT) \
+#define CLARAY_ARRAY(name, type, words, TAKEN) \
     CLARAY_QUEUE_##name, CLARAY_LAST_OF_##name = CLARAY_QUEUE_##name + words - 1,
 // clang-format off
 enum {

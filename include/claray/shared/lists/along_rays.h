@@ -3,16 +3,18 @@
 #ifndef CLARAY_SHARED_LISTS_ALONG_RAYS_H
 #define CLARAY_SHARED_LISTS_ALONG_RAYS_H
 
-// A row is X(name, type, words, EFFECT): a member of PathSegment, its type, its size in 32-bit words, and the effect
-// under which surfaces set it and rays read it. Rows of an even number of words keep the queue's arrays aligned.
+// A row is X(name, type, words, TAKEN): a member of PathSegment, its type, its size in 32-bit words, and a macro of the
+// kernels: whether surfaces set it and rays read it. It stands for that of an effect, which is not named here: programs
+// that name an effect's macro are compiled for each scene. Rows of an even number of words keep the queue's arrays
+// aligned.
 //   cone   where the ray begins; of a camera ray: camera_cone
 //   media  that the ray is in (kernels/shade/media.clh); of a camera ray: none
 // clang-format off
 /// What the denoiser's guides take along, too. They see maps by the cones of camera rays.
 #define CLARAY_ALONG_SIGHTS(X) \
-    X(media, ulong, 2, NESTED_MEDIA)
+    X(media, ulong, 2, TAKES_MEDIA)
 #define CLARAY_ALONG_RAYS(X)    \
-    X(cone, RayCone, 2, MIPMAPS) \
+    X(cone, RayCone, 2, TAKES_CONE) \
     CLARAY_ALONG_SIGHTS(X)
 // clang-format on
 
