@@ -3,9 +3,9 @@
 #ifndef CLARAY_SHARED_LISTS_ALONG_RAYS_H
 #define CLARAY_SHARED_LISTS_ALONG_RAYS_H
 
-// A row is X(name, type, words, TAKEN): a member of PathSegment, its type, its size in 32-bit words, and a macro of the
-// kernels: whether surfaces set it and rays read it. It stands for that of an effect, which is not named here: programs
-// that name an effect's macro are compiled for each scene. Rows of an even number of words keep the queue's arrays
+// A row is X(name, type, words, TAKEN): a member of PathSegment, its type and its size in 32-bit words. TAKEN is a macro
+// of the kernels: whether surfaces set it and rays read it. It stands for that of an effect, which is not named here:
+// programs that name an effect's macro are compiled for each scene. An even number of words keeps the arrays of queues
 // aligned.
 //   cone   where the ray begins; of a camera ray: camera_cone
 //   media  that the ray is in (kernels/shade/media.clh); of a camera ray: none
