@@ -41,9 +41,7 @@ void check_failure(const Failure& failure) {
 
 }  // namespace
 
-std::string to_bytes(const Hello& hello) {
-    return bytes_of(hello.version, hello.options, hello.host, hello.devices);
-}
+std::string to_bytes(const Hello& hello) { return bytes_of(hello.version, hello.options, hello.host, hello.devices); }
 
 Hello hello_from(const std::string& bytes) {
     Hello hello;

@@ -68,8 +68,8 @@ TEST(JointProgram, CompilesOnceAndServesThoseWhoAsk) {
         return load_kernel(device(), file, function, never_seen);
     };
     const unsigned before = compile_statistics().compiled;
-    load_jointly(device(),
-                 set_of({"render/resolve_film.cl", "render/measure_film.cl", "render/queues/empty_queues.cl"}, never_seen));
+    load_jointly(device(), set_of({"render/resolve_film.cl", "render/measure_film.cl", "render/queues/empty_queues.cl"},
+                                  never_seen));
     EXPECT_EQ(compile_statistics().compiled, before + 1);
     Kernel empty_queues = load("render/queues/empty_queues.cl", "empty_queues");
     (void)load("render/measure_film.cl", "measure_film");
@@ -83,7 +83,8 @@ TEST(KernelSets, AreThereWhenKernelsAreLoaded) {
         const ScopedEnvironment empty("CLARAY_CACHE_DIR", folder.path().string());
         const ScopedTuning tuning("compute/programs", "SIDE_BY_SIDE", side_by_side);
         const Defines never_seen = {{"CLARAY_TEST", std::to_string(84 + side_by_side)}};
-        KernelSet set = set_of({"render/resolve_film.cl", "bvh/bounds.cl", "render/queues/empty_queues.cl"}, never_seen);
+        KernelSet set =
+            set_of({"render/resolve_film.cl", "bvh/bounds.cl", "render/queues/empty_queues.cl"}, never_seen);
         set.add(set_of({"bvh/bounds.cl"}, never_seen));
         EXPECT_EQ(set.programs().size(), 3u) << "each once";
         EXPECT_FALSE(are_cached(device(), set));
@@ -116,7 +117,8 @@ TEST(JointProgram, IsForgottenWhereItIsSlow) {
     };
     for (const bool optimized : {true, false}) {
         const char* value = optimized ? "78" : "79";
-        load_jointly(device(), set_of({"render/queues/empty_queues.cl", "render/add_light.cl"}, {{"CLARAY_TEST", value}}),
+        load_jointly(device(),
+                     set_of({"render/queues/empty_queues.cl", "render/add_light.cl"}, {{"CLARAY_TEST", value}}),
                      optimized);
         const unsigned before = compile_statistics().compiled;
         Kernel kernel = empty_queues(value);

@@ -47,7 +47,8 @@ void random_numbers(Run& run) {
         const Buffer<std::uint32_t> words(run.device(), 6 * std::size_t(count));
         const Buffer<float> values(run.device(), 6 * std::size_t(count));
         load_kernel(run.device(), "verify/random_numbers.cl", "draw_numbers")
-            .run({count, 64}, std::uint32_t(run.seed() * 1000 + seed), count, arg("words", words), arg("floats", values));
+            .run({count, 64}, std::uint32_t(run.seed() * 1000 + seed), count, arg("words", words),
+                 arg("floats", values));
         const std::vector<std::uint32_t> found = words.read();
         const std::vector<float> as_floats = values.read();
         for (std::size_t i = 0; i < found.size(); ++i) floats.add(as_floats[i] == float(found[i] >> 8) * 0x1p-24f);
@@ -133,8 +134,20 @@ void light_descents(Run& run) {
     for (std::uint32_t& word : words) word = random.below(0xffffffffu);
     Tally wrong[2];
     judge_descents(run,
-                   {{1, 1, 1, 1}, {0, 0, 1, 1}, {1, 1, 1, 1}, {2, 2, 4, 0}, {1, 0, 0, 0}, {4, 4, 8, 0}, {1, 1, 0, 2},
-                    {1, 1, 1, 1}, {0, 2, 1, 1}, {1, 1, 1, 1}, {64, 64, 64, 64}, {1, 1, 2, 0}, {1, 1, 4, 4}, {1, 4, 0, 0}},
+                   {{1, 1, 1, 1},
+                    {0, 0, 1, 1},
+                    {1, 1, 1, 1},
+                    {2, 2, 4, 0},
+                    {1, 0, 0, 0},
+                    {4, 4, 8, 0},
+                    {1, 1, 0, 2},
+                    {1, 1, 1, 1},
+                    {0, 2, 1, 1},
+                    {1, 1, 1, 1},
+                    {64, 64, 64, 64},
+                    {1, 1, 2, 0},
+                    {1, 1, 4, 4},
+                    {1, 4, 0, 0}},
                    words, wrong);
     // Little is left of numbers next to a border, and roundings of the digits that are added show.
     for (std::size_t i = 0; i < words.size(); ++i)

@@ -364,7 +364,9 @@ Range3 box_of(const LeafTriangle& t) {
 /// A copy of a tree, to be damaged and validated.
 struct OpenTree {
     explicit OpenTree(const Bvh& of)
-        : bvh(of), nodes(state_of(of).nodes.read()), leaves(state_of(of).leaves.read()),
+        : bvh(of),
+          nodes(state_of(of).nodes.read()),
+          leaves(state_of(of).leaves.read()),
           header(state_of(of).header.read()[0]) {}
 
     [[nodiscard]] BvhValidation validated() const {
@@ -516,8 +518,8 @@ std::vector<Gap> gaps_of(const OpenTree& tree) {
 
 void broken_trees(Run& run) {
     Random random(run.seed() + 31);
-    const OpenTree sound(build(run, soup(700, 0.05f, run.seed() + 11), {.builder = Builder::balanced,
-                                                                       .layout = Layout::binary}));
+    const OpenTree sound(
+        build(run, soup(700, 0.05f, run.seed() + 11), {.builder = Builder::balanced, .layout = Layout::binary}));
     Tally told;
     for (int i = 0; i < run.count(90, 3000); ++i) {
         OpenTree tree = sound;

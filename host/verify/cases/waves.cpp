@@ -4,8 +4,8 @@
 
 #include "claray/program.hpp"
 #include "host/base/format.hpp"
-#include "host/verify/cases/rendering/bsdf.hpp"
 #include "host/verify/cases/cases.hpp"
+#include "host/verify/cases/rendering/bsdf.hpp"
 #include "host/verify/shapes.hpp"
 
 namespace claray::verify {

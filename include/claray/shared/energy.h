@@ -19,10 +19,10 @@
 /// resolve its lobe.
 #define CLARAY_LEAST_SHEEN 0.07f
 
-/// A lobe is scaled by what a layer above it lets pass for both directions. A spread table holds what the lobe then lacks
-/// of the light that the layer lets pass: by the layer's roughness, the base's roughness (fewer steps) and cosine_place.
-/// The averages over the hemisphere follow, by both roughnesses. Entries of a dielectric's interface are of index
-/// CLARAY_COAT_IOR, divided by Fresnel's rise from normal incidence to grazing angles.
+/// A lobe is scaled by what a layer above it lets pass for both directions. A spread table holds what the lobe then
+/// lacks of the light that the layer lets pass: by the layer's roughness, the base's roughness (fewer steps) and
+/// cosine_place. The averages over the hemisphere follow, by both roughnesses. Entries of a dielectric's interface are
+/// of index CLARAY_COAT_IOR, divided by Fresnel's rise from normal incidence to grazing angles.
 #define CLARAY_METAL_SIZE 16
 #define CLARAY_COAT_TABLE (CLARAY_ENERGY_SIZE * CLARAY_METAL_SIZE * CLARAY_ENERGY_SIZE)
 #define CLARAY_SPREAD_TABLE (CLARAY_COAT_TABLE + CLARAY_ENERGY_SIZE * CLARAY_METAL_SIZE)
@@ -31,8 +31,8 @@
 #define CLARAY_SHEEN_OVER_METAL (3 * CLARAY_ENERGY_TABLE)
 #define CLARAY_SHEEN_OVER_INTERFACE (CLARAY_SHEEN_OVER_METAL + CLARAY_SPREAD_TABLE)
 
-/// What a coat of index CLARAY_COAT_IOR lets pass of the light that sheen below it scatters: by the roughness of the sheen
-/// and that of the coat.
+/// What a coat of index CLARAY_COAT_IOR lets pass of the light that sheen below it scatters: by the roughness of the
+/// sheen and that of the coat.
 #define CLARAY_COAT_OVER_SHEEN (CLARAY_SHEEN_OVER_INTERFACE + CLARAY_SPREAD_TABLE)
 
 /// Share of light that one reflection by an anisotropic conductor loses. Indices: the square roots of alpha along the

@@ -5,8 +5,8 @@
 #include "claray/program.hpp"
 #include "claray/renderer.hpp"
 #include "host/base/format.hpp"
-#include "host/verify/cases/rendering/bsdf.hpp"
 #include "host/verify/cases/cases.hpp"
+#include "host/verify/cases/rendering/bsdf.hpp"
 #include "host/verify/oracle.hpp"
 #include "host/verify/shapes.hpp"
 

@@ -7,8 +7,8 @@
 #include "claray/renderer.hpp"
 #include "host/render/film/film.hpp"
 #include "host/textures/mip_map.hpp"
-#include "host/verify/cases/rendering/bsdf.hpp"
 #include "host/verify/cases/cases.hpp"
+#include "host/verify/cases/rendering/bsdf.hpp"
 #include "host/verify/scenes.hpp"
 #include "host/verify/shapes.hpp"
 

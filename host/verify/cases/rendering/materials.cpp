@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "host/base/format.hpp"
-#include "host/verify/cases/rendering/bsdf.hpp"
 #include "host/verify/cases/cases.hpp"
+#include "host/verify/cases/rendering/bsdf.hpp"
 
 namespace claray::verify {
 namespace {

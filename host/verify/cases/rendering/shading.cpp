@@ -8,8 +8,8 @@
 #include "claray/renderer.hpp"
 #include "host/base/format.hpp"
 #include "host/lights/environment.hpp"
-#include "host/verify/cases/rendering/bsdf.hpp"
 #include "host/verify/cases/cases.hpp"
+#include "host/verify/cases/rendering/bsdf.hpp"
 #include "host/verify/scenes.hpp"
 #include "host/verify/shapes.hpp"
 
