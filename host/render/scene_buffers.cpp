@@ -162,6 +162,10 @@ void SceneBuffers::replace_materials(const Scene& scene) {
     for (std::size_t i = 0; i < used.size(); ++i)
         if (used[i] && !shader_of(scene.materials[i], shaders)) shaders = shaders_of(scene);
     replace(tables_of_materials(scene), of_materials_);
+    replace_emissive_triangles(scene);
+}
+
+void SceneBuffers::replace_emissive_triangles(const Scene& scene) {
     replace_triangle_lights(scene, *on_host_);
     replace(tables_of_lights(), of_lights_);
 }

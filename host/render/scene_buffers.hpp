@@ -24,6 +24,8 @@ struct SceneBuffers {
     /// Replaces the values of materials and what follows from them: their tables and the emissive triangles. The maps
     /// of materials stay.
     void replace_materials(const Scene& scene);
+    /// The same for triangles that have moved, whose materials stay.
+    void replace_emissive_triangles(const Scene& scene);
     /// Replaces what is known about a level of the light grid; its data stays.
     void write_light_grid(std::uint32_t level, const LightGrid& data);
     /// Lists the entries of a round on the device; `halves` and `unit` as in AdaptiveSchedule::Round.

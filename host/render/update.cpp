@@ -161,7 +161,7 @@ void Renderer::State::move(const Scene& scene, const SceneChanges& changes) {
     if (!moved) return rebuild_scene(scene);
     if (changes.instances) source.shape.instances = scene.instances;
     if (!shines && has_lights(buffers.lights)) buffers.replace_lights(scene);  // hot spots follow surfaces
-    if (shines) with_placed(scene, [&](const Scene& placed) { buffers.replace_materials(placed); });
+    if (shines) with_placed(scene, [&](const Scene& placed) { buffers.replace_emissive_triangles(placed); });
     set_bounds(scene, changes.vertices);
 }
 
