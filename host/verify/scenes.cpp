@@ -1,11 +1,24 @@
 #include "host/verify/scenes.hpp"
 
+#include <bit>
+
 namespace claray::verify {
 
 std::vector<glm::vec3> render(const Run& run, const Scene& scene, const RenderConfig& config) {
     Renderer renderer(run.device(), scene, config);
     renderer.render();
     return renderer.image();
+}
+
+std::vector<float> numbers_of(const Aovs& aovs) {
+    std::vector<float> all = aovs.depth;
+    const auto add_numbers = [&](const std::vector<std::uint32_t>& numbers) {
+        for (const std::uint32_t number : numbers) all.push_back(std::bit_cast<float>(number));
+    };
+    add_numbers(aovs.primitive), add_numbers(aovs.material);
+    for (const std::vector<glm::vec3>* vectors : {&aovs.normal, &aovs.albedo})
+        for (const glm::vec3& v : *vectors) all.insert(all.end(), {v.x, v.y, v.z});
+    return all;
 }
 
 double mean_of(const std::vector<glm::vec3>& image) {

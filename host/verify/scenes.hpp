@@ -7,6 +7,8 @@
 namespace claray::verify {
 
 [[nodiscard]] std::vector<glm::vec3> render(const Run& run, const Scene& scene, const RenderConfig& config);
+/// All AOVs but the work of the traversal, which depends on the layout of the tree.
+[[nodiscard]] std::vector<float> numbers_of(const Aovs& aovs);
 /// The mean of red over all pixels.
 [[nodiscard]] double mean_of(const std::vector<glm::vec3>& image);
 [[nodiscard]] Material grey(float albedo, float radiance = 0.f);

@@ -109,10 +109,38 @@ void tree_hashes(Run& run, const std::string& name, const Mesh& mesh, const Form
     }
 }
 
+/// Of all sizes: few triangles, many equal ones, flat ones, some far away.
+Mesh drawn_mesh(std::uint64_t seed) {
+    Random random(seed);
+    Mesh mesh = soup(1 + random.below(seed % 4 == 0 ? 1500 : 90), random.uniform(0.01f, 1.f), seed);
+    const std::size_t count = mesh.positions.size();
+    for (std::size_t i = 0; seed % 3 == 0 && i < count; ++i) mesh.positions[i] = glm::floor(mesh.positions[i] * 8.f);
+    if (seed % 5 == 0)
+        for (glm::vec3& p : mesh.positions) p.y = 0.5f;
+    if (seed % 7 == 0) mesh.positions.back() *= 1000.f;
+    return seed % 2 ? mesh : joined(mesh, translated(mesh, random.in_cube(0.3f)));
+}
+
+/// Many small trees, one hash for each builder.
+void drawn_trees(const Run& run, Committed& committed) {
+    for (const BuilderTraits& traits : builders) {
+        std::string hashes;
+        for (std::uint64_t seed = 0; seed < 60; ++seed)
+            hashes += build(run, drawn_mesh(seed), {.builder = traits.builder, .layout = Layout::binary}).hash();
+        committed.compare(std::string("drawn trees ") + traits.name, hashes);
+    }
+}
+
 void tree_hashes(Run& run) {
     for (const Form& form : build_forms(run.device())) {
         Tally committed, again;
         for (const auto& [name, mesh] : hashed_meshes()) tree_hashes(run, name, mesh, form, committed, again);
+        Committed drawn(run);
+        {
+            const ScopedForm set(run.device(), form);
+            drawn_trees(run, drawn);
+        }
+        drawn.check(std::string("sets of small trees") + form.name);
         if (again.wrong) run.failure("build " + std::to_string(again.first) + " gave another tree" + form.name);
         run.check(std::string("trees that are not the committed ones") + form.name, committed, "trees");
         run.check(std::string("trees of further builds that differ") + form.name, again, "trees");

@@ -18,18 +18,6 @@ namespace {
 
 RenderConfig small_image(unsigned spp) { return {.width = 32, .height = 24, .spp = spp, .seed = 5}; }
 
-/// All but the work of the traversal, which depends on the layout of the tree.
-std::vector<float> numbers_of(const Aovs& aovs) {
-    std::vector<float> all = aovs.depth;
-    const auto add_numbers = [&](const std::vector<std::uint32_t>& numbers) {
-        for (const std::uint32_t number : numbers) all.push_back(std::bit_cast<float>(number));
-    };
-    add_numbers(aovs.primitive), add_numbers(aovs.material);
-    for (const std::vector<glm::vec3>* vectors : {&aovs.normal, &aovs.albedo})
-        for (const glm::vec3& v : *vectors) all.insert(all.end(), {v.x, v.y, v.z});
-    return all;
-}
-
 void compare_render(const Run& run, Committed& committed, const std::string& name, const Scene& scene,
                     const RenderConfig& config) {
     committed.compare(name, render(run, scene, config));

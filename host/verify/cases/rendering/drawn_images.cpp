@@ -1,0 +1,125 @@
+// Images of scenes that are drawn at random. No value is known in closed form, but all devices and later versions must
+// find the same light: a fault in a part that no other case calls for changes one of many scenes.
+#include <algorithm>
+
+#include "claray/effects.hpp"
+#include "host/verify/cases/cases.hpp"
+#include "host/verify/cases/committed.hpp"
+#include "host/verify/drawn_scene.hpp"
+#include "host/verify/scenes.hpp"
+
+namespace claray::verify {
+namespace {
+
+/// Effects of full kernels whose scenes are worked on in such lanes (claray/shared/lists/effects.h).
+EffectSet effects_in_lanes(unsigned lanes) {
+    static constexpr unsigned lanes_of[] = {
+#define CLARAY_ROW(name, text, macro, bit, stages, in_lanes, ...) in_lanes,
+#define CLARAY_OTHER_ROW(...) CLARAY_LANES_ALL,
+        CLARAY_EFFECTS(CLARAY_ROW, CLARAY_OTHER_ROW, CLARAY_OTHER_ROW, CLARAY_OTHER_ROW)
+#undef CLARAY_ROW
+#undef CLARAY_OTHER_ROW
+    };
+    EffectSet set;
+    for (const Effect effect : all_effects())
+        if ((lanes_of[unsigned(effect)] & lanes) != 0) set.add(effect);
+    return set & full_effects();
+}
+
+using Image = std::vector<glm::vec3>;
+
+/// By kernels that have code for all of `effects`, so that all scenes share them.
+Image drawn_image(const Run& run, std::uint64_t seed, EffectSet allowed, EffectSet effects) {
+    RenderConfig config = drawn_config(seed);
+    config.effects.add = effects;
+    return render(run, drawn_scene(seed, allowed), config);
+}
+
+void append(Image& all, const Image& image) { all.insert(all.end(), image.begin(), image.end()); }
+
+constexpr std::uint64_t set_of_scenes = 16;
+
+/// Sixteen scenes with all effects, or with those of `allowed`.
+void compare_set(const Run& run, Committed& images, const std::string& name, std::uint64_t first, EffectSet allowed) {
+    Image all;
+    for (std::uint64_t seed = first; seed < first + set_of_scenes; ++seed)
+        append(all, drawn_image(run, seed, allowed, full_effects()));
+    images.compare("drawn scenes with " + name + " from " + std::to_string(first), all);
+}
+
+void drawn_images(Run& run) {
+    Committed images(run);
+    for (std::uint64_t first = 0; first < 160; first += set_of_scenes)
+        compare_set(run, images, "all effects", first, full_effects());
+    for (std::uint64_t first = 0; first < 48; first += set_of_scenes)
+        compare_set(run, images, "instances and primitives", first, known_effects());
+    images.check("sets of sixteen images");
+}
+
+/// The kernels of all effects work on single rays; they must find what lanes find.
+void drawn_lanes(Run& run) {
+    Committed images(run);
+    for (const unsigned lanes : {CLARAY_LANES_SHADE, CLARAY_LANES_LISTS}) {
+        const std::string name = lanes == CLARAY_LANES_SHADE ? "lanes" : "lanes of light lists";
+        const EffectSet effects = effects_in_lanes(lanes);
+        Tally same;
+        for (std::uint64_t first = 0; first < 96; first += set_of_scenes) {
+            Image all;
+            for (std::uint64_t seed = first; seed < first + set_of_scenes; ++seed) {
+                const Image image = drawn_image(run, seed, effects, effects);
+                append(all, image);
+                if (same.add(image == drawn_image(run, seed, effects, full_effects())))
+                    run.failure("scene " + std::to_string(seed) + " has another image by " + name);
+            }
+            images.compare("drawn scenes by " + name + " from " + std::to_string(first), all);
+        }
+        run.check("images by " + name + " that differ from those by single rays", same, "images");
+    }
+    images.check("sets of sixteen images");
+}
+
+/// What else renders give, and images that are approximated.
+void drawn_results(Run& run) {
+    Committed results(run);
+    Image filtered;
+    std::vector<float> surfaces, noise;
+    for (std::uint64_t seed = 0; seed < 2 * set_of_scenes; ++seed) {
+        RenderConfig config = drawn_config(seed);
+        config.effects.add = full_effects(), config.width = 40, config.height = 30;
+        Renderer renderer(run.device(), drawn_scene(seed, full_effects()), config);
+        renderer.render();
+        append(filtered, renderer.denoised(DenoiserKind::claray));
+        for (const float number : numbers_of(renderer.aovs())) surfaces.push_back(number);
+        for (const float number : renderer.noise_map()) noise.push_back(number);
+    }
+    results.compare(of_kind(run, "drawn scenes, denoised"), filtered);
+    results.compare("surfaces of drawn scenes", surfaces);
+    results.compare("noise of drawn scenes", noise);
+    for (const Approximations& approximate : {Approximations{.tile_sum = true}, Approximations{.light_grid = true},
+                                              Approximations{.gouraud = true}, Approximations{.flat = true}}) {
+        Image all;
+        for (std::uint64_t seed = 0; seed < set_of_scenes; ++seed) {
+            RenderConfig config = drawn_config(seed);
+            config.effects.add = full_effects(), config.adaptive = false, config.approximate = approximate;
+            config.light_grid = {.side = 4, .rays = 16, .updates = 2};
+            append(all, render(run, drawn_scene(seed, full_effects()), config));
+        }
+        const std::string name = "drawn scenes by " + to_string(approximate);
+        results.compare(approximate.flat ? name : of_kind(run, name), all);
+    }
+    results.check("sets of results");
+}
+
+}  // namespace
+
+Cases drawn_cases() {
+    return {
+        {{"drawn-images", "sameness", "Images of scenes drawn at random have the committed light"}, drawn_images},
+        {{"drawn-lanes", "sameness", "Lanes find the light of single rays in scenes drawn at random"}, drawn_lanes},
+        {{"drawn-results", "sameness",
+          "Surfaces, noise, filtered and approximate images of scenes drawn at random are the committed ones"},
+         drawn_results},
+    };
+}
+
+}  // namespace claray::verify
