@@ -14,7 +14,7 @@ public:
         for (int i = 0; i < 4; ++i) scene.textures.push_back(texture());
         for (int i = 0; i < 5; ++i) scene.materials.push_back(material(scene));
         for (int i = 0; i < 4; ++i) scene.meshes.push_back(mesh(scene));
-        const std::uint32_t lights = one_in(4) ? 200 : random_.below(4);
+        const std::uint32_t lights = one_in(3) ? 200 : random_.below(4);
         for (std::uint32_t i = 0; i < lights; ++i) scene.lights.push_back(light(lights));
         place(scene);
         add_primitives(scene);
@@ -160,16 +160,10 @@ private:
         return l;
     }
 
-    glm::mat4 transform() {
-        glm::mat4 m(1.f);
-        for (int axis = 0; axis < 3; ++axis) m[axis] += glm::vec4(random_.in_cube(0.3f), 0.f);
-        m[3] = glm::vec4(random_.in_cube(1.f), 1.f);
-        return m;
-    }
     void place(Scene& scene) {
         for (int i = 0; i < 6; ++i) {
-            MeshInstance instance{random_.below(std::uint32_t(scene.meshes.size())), transform(), {}, {}};
-            if (one_in(3)) instance.transform_end = transform();
+            MeshInstance instance{random_.below(std::uint32_t(scene.meshes.size())), drawn_transform(random_), {}, {}};
+            if (one_in(3)) instance.transform_end = drawn_transform(random_);
             scene.instances.push_back(instance);
         }
     }

@@ -72,6 +72,30 @@ Mesh grid(unsigned n) {
     return mesh;
 }
 
+Mesh joined(Mesh a, const Mesh& b) {
+    for (const glm::uvec3& t : b.triangles) a.triangles.push_back(t + std::uint32_t(a.positions.size()));
+    a.positions.insert(a.positions.end(), b.positions.begin(), b.positions.end());
+    return a;
+}
+
+Mesh drawn_mesh(std::uint64_t seed) {
+    Random random(seed);
+    Mesh mesh = soup(1 + random.below(seed % 4 == 0 ? 1500 : 90), random.uniform(0.01f, 1.f), seed);
+    const std::size_t count = mesh.positions.size();
+    for (std::size_t i = 0; seed % 3 == 0 && i < count; ++i) mesh.positions[i] = glm::floor(mesh.positions[i] * 8.f);
+    if (seed % 5 == 0)
+        for (glm::vec3& p : mesh.positions) p.y = 0.5f;
+    if (seed % 7 == 0) mesh.positions.back() *= 1000.f;
+    return seed % 2 ? mesh : joined(mesh, translated(mesh, random.in_cube(0.3f)));
+}
+
+glm::mat4 drawn_transform(Random& random) {
+    glm::mat4 m(1.f);
+    for (int axis = 0; axis < 3; ++axis) m[axis] += glm::vec4(random.in_cube(0.3f), 0.f);
+    m[3] = glm::vec4(random.in_cube(1.f), 1.f);
+    return m;
+}
+
 Ray make_ray(glm::vec3 origin, glm::vec3 direction, float tmin, float tmax) {
     return {origin.x, origin.y, origin.z, tmin, direction.x, direction.y, direction.z, tmax};
 }

@@ -32,6 +32,13 @@ Mesh grid(unsigned n);
 /// The mesh elsewhere.
 Mesh translated(Mesh mesh, const glm::vec3& by);
 
+/// The triangles of both.
+Mesh joined(Mesh a, const Mesh& b);
+/// Of any size: few triangles, many equal ones, flat ones, some far away.
+Mesh drawn_mesh(std::uint64_t seed);
+/// Stretched, sheared and placed in the cube of half side 1. Only + - * made it.
+glm::mat4 drawn_transform(Random& random);
+
 Ray make_ray(glm::vec3 origin, glm::vec3 direction, float tmin = 0.f, float tmax = 1e30f);
 /// Rays from a sphere of `radius` towards random points of the cube of half side `half`.
 std::vector<Ray> random_rays(std::size_t count, float radius, float half, std::uint64_t seed);

@@ -34,6 +34,7 @@ using Cases = std::vector<Case>;
 [[nodiscard]] Cases random_cases();
 [[nodiscard]] Cases committed_cases();
 [[nodiscard]] Cases drawn_cases();
+[[nodiscard]] Cases drawn_query_cases();
 
 /// Traces with both layouts and compares every hit with exact arithmetic (triangles.cpp).
 void judge(Run& run, const Mesh& mesh, const std::vector<Ray>& rays, const std::string& what,

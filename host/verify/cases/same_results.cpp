@@ -20,12 +20,6 @@ Mesh all_of(const Scene& scene) {
     return all;
 }
 
-Mesh joined(Mesh a, const Mesh& b) {
-    for (const glm::uvec3& t : b.triangles) a.triangles.push_back(t + std::uint32_t(a.positions.size()));
-    a.positions.insert(a.positions.end(), b.positions.begin(), b.positions.end());
-    return a;
-}
-
 /// Triangles in planes across all axes, whose boxes are flat where they overlap.
 Mesh walls() {
     Mesh all;
@@ -107,18 +101,6 @@ void tree_hashes(Run& run, const std::string& name, const Mesh& mesh, const Form
         compare_with_committed(run, "tree " + name + ' ' + traits.name, form.name, first, committed);
         for (int i = 1; i < run.count(3, 100); ++i) again.add(hash() == first);
     }
-}
-
-/// Of all sizes: few triangles, many equal ones, flat ones, some far away.
-Mesh drawn_mesh(std::uint64_t seed) {
-    Random random(seed);
-    Mesh mesh = soup(1 + random.below(seed % 4 == 0 ? 1500 : 90), random.uniform(0.01f, 1.f), seed);
-    const std::size_t count = mesh.positions.size();
-    for (std::size_t i = 0; seed % 3 == 0 && i < count; ++i) mesh.positions[i] = glm::floor(mesh.positions[i] * 8.f);
-    if (seed % 5 == 0)
-        for (glm::vec3& p : mesh.positions) p.y = 0.5f;
-    if (seed % 7 == 0) mesh.positions.back() *= 1000.f;
-    return seed % 2 ? mesh : joined(mesh, translated(mesh, random.in_cube(0.3f)));
 }
 
 /// Many small trees, one hash for each builder.

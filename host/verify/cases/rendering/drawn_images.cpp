@@ -38,6 +38,8 @@ Image drawn_image(const Run& run, std::uint64_t seed, EffectSet allowed, EffectS
 void append(Image& all, const Image& image) { all.insert(all.end(), image.begin(), image.end()); }
 
 constexpr std::uint64_t set_of_scenes = 16;
+/// Each scene has other materials, and would have GPUs compile kernels for them.
+const Form shared_kernels = {"", {{"render/shade_surface", "SPLIT_FROM", 0}}};
 
 /// Sixteen scenes with all effects, or with those of `allowed`.
 void compare_set(const Run& run, Committed& images, const std::string& name, std::uint64_t first, EffectSet allowed) {
@@ -48,6 +50,7 @@ void compare_set(const Run& run, Committed& images, const std::string& name, std
 }
 
 void drawn_images(Run& run) {
+    const ScopedForm set(run.device(), shared_kernels);
     Committed images(run);
     for (std::uint64_t first = 0; first < 160; first += set_of_scenes)
         compare_set(run, images, "all effects", first, full_effects());
@@ -58,6 +61,7 @@ void drawn_images(Run& run) {
 
 /// The kernels of all effects work on single rays; they must find what lanes find.
 void drawn_lanes(Run& run) {
+    if (run.device().info().type != DeviceType::cpu) return run.fact("lanes", "CPUs alone work on sixteen rays");
     Committed images(run);
     for (const unsigned lanes : {CLARAY_LANES_SHADE, CLARAY_LANES_LISTS}) {
         const std::string name = lanes == CLARAY_LANES_SHADE ? "lanes" : "lanes of light lists";
@@ -78,11 +82,15 @@ void drawn_lanes(Run& run) {
     images.check("sets of sixteen images");
 }
 
-/// What else renders give, and images that are approximated.
-void drawn_results(Run& run) {
-    Committed results(run);
+void add_pixels(std::vector<GBufferPixel>& all, const GBuffer& buffer) {
+    all.insert(all.end(), buffer.pixels.begin(), buffer.pixels.end());
+}
+
+/// All but the image that a render gives.
+void compare_other_results(Run& run, Committed& results) {
     Image filtered;
     std::vector<float> surfaces, noise;
+    std::vector<GBufferPixel> packed;
     for (std::uint64_t seed = 0; seed < 2 * set_of_scenes; ++seed) {
         RenderConfig config = drawn_config(seed);
         config.effects.add = full_effects(), config.width = 40, config.height = 30;
@@ -91,22 +99,45 @@ void drawn_results(Run& run) {
         append(filtered, renderer.denoised(DenoiserKind::claray));
         for (const float number : numbers_of(renderer.aovs())) surfaces.push_back(number);
         for (const float number : renderer.noise_map()) noise.push_back(number);
+        if (!traits_of(drawn_scene(seed, full_effects()).camera->projection)->flat) continue;
+        for (const NormalPacking packing : {NormalPacking::octahedral, NormalPacking::spherical})
+            add_pixels(packed, renderer.gbuffer(packing));
     }
     results.compare(of_kind(run, "drawn scenes, denoised"), filtered);
     results.compare("surfaces of drawn scenes", surfaces);
     results.compare("noise of drawn scenes", noise);
+    results.compare("packed surfaces of drawn scenes", packed);
+}
+
+/// Few effects, whose kernels compile fast: the approximations know nothing of the others.
+EffectSet approximated_effects() {
+    return {Effect::smooth_normals,     Effect::lambert,      Effect::blinn_phong,  Effect::textures,
+            Effect::emissive_triangles, Effect::point_lights, Effect::spot_lights,  Effect::directional_lights,
+            Effect::light_falloff,      Effect::sky,          Effect::linear_ranges};
+}
+
+void compare_approximations(Run& run, Committed& results) {
+    const EffectSet effects = approximated_effects();
     for (const Approximations& approximate : {Approximations{.tile_sum = true}, Approximations{.light_grid = true},
                                               Approximations{.gouraud = true}, Approximations{.flat = true}}) {
         Image all;
-        for (std::uint64_t seed = 0; seed < set_of_scenes; ++seed) {
+        for (std::uint64_t seed = 0; seed < (approximate.tile_sum ? 4 : 1) * set_of_scenes; ++seed) {
             RenderConfig config = drawn_config(seed);
-            config.effects.add = full_effects(), config.adaptive = false, config.approximate = approximate;
+            config.effects.add = effects, config.adaptive = false, config.approximate = approximate;
             config.light_grid = {.side = 4, .rays = 16, .updates = 2};
-            append(all, render(run, drawn_scene(seed, full_effects()), config));
+            if (approximate.tile_sum) config.width = 80, config.height = 48, config.spp = 1;
+            append(all, render(run, drawn_scene(seed, effects), config));
         }
         const std::string name = "drawn scenes by " + to_string(approximate);
         results.compare(approximate.flat ? name : of_kind(run, name), all);
     }
+}
+
+void drawn_results(Run& run) {
+    const ScopedForm set(run.device(), shared_kernels);
+    Committed results(run);
+    compare_other_results(run, results);
+    compare_approximations(run, results);
     results.check("sets of results");
 }
 
