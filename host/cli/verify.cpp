@@ -8,15 +8,15 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "host/accuracy/svg.hpp"
 #include "host/base/file.hpp"
 #include "host/base/format.hpp"
+#include "host/base/message.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/output/outputs.hpp"
 #include "host/cli/output/table.hpp"
-#include "host/cli/output/verify_reports.hpp"
 #include "host/measure/compare.hpp"
+#include "host/verify/reports.hpp"
 
 namespace claray::cli {
 namespace {
@@ -74,42 +74,6 @@ void print_kernels(const std::vector<VerifyResult>& results) {
     print_table(rows);
     std::printf("%zu of %zu kernels are run by a case\n", run, rows.size() - 1);
 }
-
-nlohmann::ordered_json as_json(const VerifyResult& result) {
-    nlohmann::ordered_json checks = nlohmann::ordered_json::array(), facts = nlohmann::ordered_json::object();
-    for (const VerifyCheck& c : result.checks)
-        checks.push_back({{"what", c.what},
-                          {"tried", c.tried},
-                          {"worst", c.worst},
-                          {"bar", c.bar},
-                          {"unit", c.unit},
-                          {"time", c.time},
-                          {"holds", c.holds()}});
-    for (const auto& [name, value] : result.facts) facts[name] = value;
-    return {{"case", result.name}, {"holds", result.holds()},    {"seconds", result.seconds},
-            {"seed", result.seed}, {"command", result.command},  {"checks", checks},
-            {"facts", facts},      {"failures", result.failures}};
-}
-
-std::string json_of(const Device& device, const VerifyCommandOptions& options, const std::vector<VerifyResult>& results,
-                    double seconds) {
-    nlohmann::ordered_json cases = nlohmann::ordered_json::array();
-    for (const VerifyResult& result : results) {
-        cases.push_back(as_json(result));
-        if (options.verify.kernels) cases.back()["kernels"] = result.kernels;
-    }
-    const nlohmann::ordered_json report = {
-        {"device", device.info().name},
-        {"platform", device.info().platform},
-        {"driver", device.info().driver},
-        {"effort", options.full ? "full" : "quick"},
-        {"seconds", seconds},
-        {"holds", std::all_of(results.begin(), results.end(), [](const VerifyResult& r) { return r.holds(); })},
-        {"cases", cases}};
-    return json_text(report);
-}
-
-using svg::escaped;
 
 std::string svg_of(const VerifyPicture& picture) {
     std::string svg = "<figure><svg viewBox=\"0 0 1 1\" width=\"420\" height=\"420\">";
@@ -284,7 +248,7 @@ void verify(const VerifyCommandOptions& options) {
     });
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     if (how.kernels && !json_to_output) print_kernels(results);
-    const std::string json = json_of(device, options, results, seconds);
+    const std::string json = verify::json_of(device.info(), how, results, seconds);
     Writes writes;
     if (json_to_output)
         std::fputs(json.c_str(), stdout);
@@ -294,8 +258,8 @@ void verify(const VerifyCommandOptions& options) {
         if (!path.empty()) writes.attempt([&] { write_file(path, report()); });
     };
     write_report(options.html, [&] { return html_of(device.info(), results); });
-    write_report(options.tap, [&] { return tap_of(results); });
-    write_report(options.junit, [&] { return junit_of(device.info(), results); });
+    write_report(options.tap, [&] { return verify::tap_of(results); });
+    write_report(options.junit, [&] { return verify::junit_of(device.info(), results); });
     const auto failed = std::count_if(results.begin(), results.end(), [](const VerifyResult& r) { return !r.holds(); });
     if (!json_to_output && failed == 0)
         std::printf(
