@@ -20,7 +20,7 @@ enum class Effort {
 /// A case that is known to break ray tracers.
 struct VerifyCase {
     std::string name;    ///< "edges"
-    std::string family;  ///< "triangles", "boxes", "tree", "rays", "materials", "images", "device"
+    std::string family;  ///< "triangles", "boxes", "tree", "rays", "materials", "images", "device", "driver"
     std::string what;    ///< what is tried, and what must hold
 };
 
