@@ -75,14 +75,15 @@ struct VerifyOptions {
 /// Throws ErrorKind::usage, listing the existing cases, if one of the names is unknown.
 void check_verify_cases(std::span<const std::string> names);
 
-/// Runs one case. Throws ErrorKind::usage, listing the existing cases, if there is no such case, and ErrorKind::device
-/// if the device does not work at all.
+/// Runs one case. It fails, with the message, if it ends with an error, as on a device without what it needs. Throws
+/// ErrorKind::usage, listing the existing cases, if there is no such case.
 [[nodiscard]] VerifyResult run_verify_case(const Device& device, const std::string& name,
                                            const VerifyOptions& options = {});
 
 /// Runs cases and passes each result to `report`, in the order of `names`, as soon as it and those before it are
-/// available. Most cases take longer to compile than to run, so several run at once, each thread with its own queue.
-/// Cases that measure times run alone, after the others. Throws as run_verify_case does.
+/// available; one call at a time, from any thread. Most cases take longer to compile than to run, so several run at
+/// once, each thread with its own queue. Cases that measure times run alone, after the others. Throws as
+/// run_verify_case does, and what `report` throws.
 void run_verify_cases(const Device& device, std::span<const std::string> names, const VerifyOptions& options,
                       const std::function<void(const VerifyResult&)>& report);
 
