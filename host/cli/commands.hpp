@@ -16,7 +16,8 @@ using Action = std::function<void()>;
     X(devices)                                                                                               \
     X(scenes)                                                                                                \
     X(info)                                                                                                  \
-    X(render) X(explain) X(compile) X(bake) X(build) X(bench) X(tune) X(verify) X(accuracy) X(view) X(probe) \
+    X(render)                                                                                                \
+    X(explain) X(compile) X(bake) X(build) X(bench) X(tune) X(verify) X(attest) X(accuracy) X(view) X(probe) \
         X(normal_map)
 
 #define CLARAY_DECLARE(name) void add_##name##_command(CLI::App& app, Action& action);
