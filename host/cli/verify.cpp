@@ -16,6 +16,7 @@
 #include "host/cli/output/table.hpp"
 #include "host/cli/output/verify_lines.hpp"
 #include "host/measure/compare.hpp"
+#include "host/verify/probes/reduce.hpp"
 #include "host/verify/reports.hpp"
 
 namespace claray::cli {
@@ -24,7 +25,7 @@ namespace {
 struct VerifyCommandOptions {
     CaseOptions run;
     std::string json;
-    std::filesystem::path html, tap, junit;
+    std::filesystem::path html, tap, junit, reduce;
     std::vector<std::string> scenes = {"cornell",        "spheres",    "crate",     "hills",     "effects",
                                        "terrain:200000", "soup:50000", "fan:50000", "hair:50000"};
     int rounds = 9;
@@ -184,6 +185,23 @@ void compare(const VerifyCommandOptions& options, const VerifyOptions& how) {
         write_file(options.json, json_of(device, c));
 }
 
+/// Writes what shows the faults without claray.
+void reduce(const VerifyCommandOptions& options) {
+    const auto say = [](const std::string& line) { std::printf("%s\n", line.c_str()), std::fflush(stdout); };
+    std::string device;  // its number
+    const auto run = [&](const std::vector<std::string>& names, const auto& report) {
+        CaseOptions some = options.run;
+        some.cases = names;
+        device = std::to_string(run_cases(
+                                    some, [](const DeviceInfo&) {}, report)
+                                    .device.index);
+    };
+    Writes writes;
+    for (const std::string& name : verify::probes_to_write(options.run.cases, run, say))
+        writes.attempt([&] { say(verify::write_probe(options.reduce, name) + ' ' + device); });
+    writes.finish();
+}
+
 void verify(const VerifyCommandOptions& options) {
     if (options.list) return list_cases();
     const bool json_to_output = options.json == "-";
@@ -194,6 +212,7 @@ void verify(const VerifyCommandOptions& options) {
     const VerifyOptions how = options.run.verify_options();
     check_verify_cases(options.run.cases);
     if (options.compare) return compare(options, how);
+    if (!options.reduce.empty()) return reduce(options);
     const auto opened = [&](const DeviceInfo& device) {
         if (!json_to_output) print_head(device);
     };
@@ -252,15 +271,19 @@ void add_verify_command(CLI::App& app, Action& action) {
     command->add_option("--html", o->html, "Write an HTML report with pictures of failures");
     command->add_option("--tap", o->tap, "Write the results for the Test Anything Protocol, version 14");
     command->add_option("--junit", o->junit, "Write the results as JUnit's XML, for build servers");
+    command->add_option("--reduce", o->reduce,
+                        "Write a kernel and a C program to this folder for each probe that fails, or each of --case");
     command->callback([&action, command, o] {
         refuse_contradicting_case_options(*command);
         refuse_without(*command, "--scene", "--compare");
         refuse_without(*command, "--rounds", "--compare");
         refuse_both(*command, "--compare", {"--html", "--tap", "--junit", "--no-times", "--kernels", "--limit"},
                     "--compare prints failures and times");
+        refuse_both(*command, "--reduce", {"--compare", "--json", "--html", "--tap", "--junit", "--kernels"},
+                    "--reduce writes programs");
         refuse_both(*command, "--list",
                     {"--quick", "--full", "--case", "--compare", "--kernels", "--seed", "--limit", "--no-times",
-                     "--json", "--html", "--tap", "--junit", "--device"},
+                     "--json", "--html", "--tap", "--junit", "--reduce", "--device"},
                     "--list runs no case");
         action = [o] { verify(*o); };
     });

@@ -20,8 +20,8 @@ void visit_members(T& info, const Visit& visit) {
 
 template <IsOf<VerifyCheck> T, class Visit>
 void visit_members(T& check, const Visit& visit) {
-    auto& [what, tried, worst, bar, unit, time] = check;
-    visit(what, tried, worst, bar, unit, time);
+    auto& [what, tried, worst, bar, unit, time, known] = check;
+    visit(what, tried, worst, bar, unit, time, known);
 }
 
 template <IsOf<VerifyPicture::Shape> T, class Visit>
