@@ -1,7 +1,6 @@
 #include <string.h>
 static void probe(Probe* p) {
-    static cl_image_desc desc;
-    const cl_image_format format = {CL_RGBA, CL_UNORM_INT8};
+    static const cl_image_format format = {CL_RGBA, CL_UNORM_INT8}; static cl_image_desc desc;
     const size_t origin[3] = {0, 0, 0}, size[3] = {128, 128, 1};
     cl_bool can = CL_FALSE;
     clGetDeviceInfo(p->device, CL_DEVICE_IMAGE_SUPPORT, sizeof can, &can, NULL);

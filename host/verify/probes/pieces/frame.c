@@ -5,10 +5,9 @@
 #include <stdlib.h>
 typedef struct {
     cl_device_id device; cl_context context; cl_command_queue queue; cl_program program; cl_kernel kernel;
-    cl_mem buffers[8]; cl_uint words[65536];  // what they get: a formula's values, then the results
-    const char *source, *lacks;               // the kernel, and what the device does not have
-    size_t tried, wrong; char what[2000];     // results, and the first wrong one
-    jmp_buf end;
+    cl_mem buffers[8]; cl_uint words[65536];            // what they get: a formula's values, then the results
+    const char *source, *lacks;                         // the kernel, and what the device does not have
+    size_t tried, wrong; char what[2000]; jmp_buf end;  // results, and the first wrong one
 } Probe;
 static void expect(Probe* p, int right, const char* what, long long number) {
     if (!right && p->wrong++ == 0) snprintf(p->what, sizeof p->what, "%.999s: %lld", what, number);

@@ -11,8 +11,7 @@ static void argument(Probe* p, cl_uint at) {  // a buffer with the words
 }
 static void prepare(Probe* p) {  // the kernel, with words and results
     for (cl_uint i = 0; i < 65536; ++i) p->words[i] = (i * 2654435761u) ^ (i * 2246822519u >> 15);
-    p->kernel = clCreateKernel(p->program, "probe", NULL);
-    argument(p, 0), argument(p, 1);
+    p->kernel = clCreateKernel(p->program, "probe", NULL), argument(p, 0), argument(p, 1);
 }
 static void launch(Probe* p, size_t items, size_t group) {  // each item's result is how many things are wrong
     must(p, clEnqueueNDRangeKernel(p->queue, p->kernel, 1, NULL, &items, &group, 0, NULL, NULL), "launch");
