@@ -132,9 +132,12 @@ void run_row(Run& run) {
     try_probe(probe.get(), state_of(run.device()).device(), probe_texts(row.name).kernel.c_str(), row.body);
     const KnownFault* known = known_fault(row.name, run.device().info());
     run.check("results", probe->tried, double(probe->wrong), 0, "wrong", known != nullptr);
-    if (known != nullptr && probe->wrong > 0) run.fact("known fault of this driver", known->avoided);
     if (probe->lacks != nullptr) run.fact("the device lacks", probe->lacks);
-    if (probe->wrong > 0) run.failure(probe->what);
+    if (probe->wrong == 0) return;
+    if (known != nullptr)
+        run.fact("known fault of this driver", std::string(probe->what) + "; " + known->avoided);
+    else
+        run.failure(probe->what);
 }
 
 const Row* find(const std::string& name) {

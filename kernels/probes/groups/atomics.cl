@@ -5,15 +5,15 @@ kernel __attribute__((reqd_work_group_size(64, 1, 1))) void probe(global const u
     if (k == 0) least = UINT_MAX, most = 0, taken = 0, stack = 64;
     barrier(CLK_LOCAL_MEM_FENCE);
     uint bad = 0;
-    for (uint j = 0; j < 64; ++j) bad += atomic_inc(&counters[(j + words[i & 16383]) % 64]) >= 1u << 16;
-    atomic_min(&least, words[i & 16383]), atomic_max(&most, words[i & 16383]);
+    for (uint j = 0; j < 64; ++j) bad += atomic_inc(&counters[(j + words[i]) % 64]) >= 16384;
+    atomic_min(&least, words[i]), atomic_max(&most, words[i]);
     for (uint before = taken, seen; (seen = atomic_cmpxchg(&taken, before, before + k + 1)) != before;) before = seen;
     atomic_xchg(&stack, k);
     barrier(CLK_LOCAL_MEM_FENCE);
     bad += taken != 64 * 65 / 2 || stack >= 64;
     bool is_least = false, is_most = false;
     for (uint j = 0; j < 64; ++j) {
-        const uint word = words[(group + j) & 16383];
+        const uint word = words[group + j];
         bad += word < least || word > most;
         is_least |= word == least, is_most |= word == most;
     }
