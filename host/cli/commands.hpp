@@ -24,7 +24,7 @@ using Action = std::function<void()>;
 CLARAY_COMMANDS(CLARAY_DECLARE)
 #undef CLARAY_DECLARE
 
-/// Opens the device of a command. Prints the warnings about the user's tuning tables.
+/// Opens the device of a command. Prints warnings about its driver and the user's tuning tables.
 [[nodiscard]] Device open_device(const std::string& selector = {});
 /// The same for several devices: see Device::open_several.
 [[nodiscard]] std::vector<Device> open_devices(const std::string& selectors);

@@ -63,11 +63,12 @@ int rank_of(const std::string& name) {
     return name == "nan-pixels" ? 0 : family == "images" || family == "materials" ? 1 : 2;
 }
 
-/// A CPU driver already has a thread per processor. GPUs wait for compilers.
+/// A CPU driver already has a thread per processor. GPUs wait for compilers, and not every driver may be asked by
+/// several threads: Oclgrind mixes up the results of two contexts.
 unsigned threads_for(const Device& device, const VerifyOptions& options) {
     if (options.threads != 0) return options.threads;
     if (device.info().type != DeviceType::gpu) return 1;
-    return contexts_at_once();
+    return device.tuning("compute/programs", "SIDE_BY_SIDE") != 0 ? contexts_at_once() : 1;
 }
 
 VerifyOptions with_threads(const Device& device, VerifyOptions options) {
@@ -134,8 +135,9 @@ void check_verify_cases(std::span<const std::string> names) {
 }
 
 VerifyResult run_verify_case(const Device& device, const std::string& name, const VerifyOptions& options) {
+    const VerifyOptions with = with_threads(device, options);
     Devices more(device);
-    return run_case(device, more, name, with_threads(device, options));
+    return run_case(device, more, name, with);
 }
 
 void run_verify_cases(const Device& device, std::span<const std::string> names, const VerifyOptions& options,

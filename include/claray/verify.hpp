@@ -65,7 +65,8 @@ struct VerifyOptions {
     std::uint64_t seed = 1;  ///< seed of all random rays and meshes
     bool times = true;       ///< also check ratios of times
     bool kernels = false;    ///< also tell which kernels run; keeps a record of each command
-    unsigned threads = 0;    ///< cases that run at once; 0: on a GPU the number of processors, but at most 5, else 1
+    unsigned threads =
+        0;  ///< cases that run at once; 0: on NVIDIA's GPUs the number of processors, but at most 5, else 1
 };
 
 /// Returns all cases.

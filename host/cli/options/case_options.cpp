@@ -24,7 +24,8 @@ void add_case_options(CLI::App& command, CaseOptions& o) {
     command.add_option("--seed", o.how.seed, "Seed of random rays and meshes [1]")
         ->transform(whole_number(0, UINT64_MAX));
     command.add_flag("!--no-times", o.how.times, "Do not check ratios of times (for busy machines)");
-    command.add_option("--threads", o.how.threads, "Cases run at once [GPU: number of processors, at most 5; else 1]")
+    command
+        .add_option("--threads", o.how.threads, "Cases run at once [NVIDIA: number of processors, at most 5; else 1]")
         ->transform(whole_number(1, 64));
     command.add_option("--device", o.device, "cpu, gpu, an index or part of a name (see claray devices)");
 }
@@ -41,13 +42,18 @@ Verified run_cases(const CaseOptions& options, const std::function<void(const De
         for (const VerifyCase& c : verify_cases()) names.push_back(c.name);
     Verified verified;
     const auto begin = std::chrono::steady_clock::now();
-    verify::run_verify_cases_apart([&] { return open_device(options.device); }, names, options.verify_options(),
-                                   options.limit.value_or(options.full ? 0 : quick_limit),
-                                   [&](const DeviceInfo& device) { opened(verified.device = device); },
-                                   [&](const VerifyResult& result) {
-                                       report(result);
-                                       verified.results.push_back(result);
-                                   });
+    bool warned = false;  // by the first child process
+    const auto open = [&] { return warned ? Device::open(options.device) : open_device(options.device); };
+    const auto tell = [&](const DeviceInfo& device) {
+        warned = true;
+        opened(verified.device = device);
+    };
+    const auto keep = [&](const VerifyResult& result) {
+        report(result);
+        verified.results.push_back(result);
+    };
+    verify::run_verify_cases_apart(open, names, options.verify_options(),
+                                   options.limit.value_or(options.full ? 0 : quick_limit), tell, keep);
     verified.seconds = seconds_since(begin);
     return verified;
 }
