@@ -17,7 +17,6 @@ constexpr const char *ink = "#222", *pale = "#666", *grid = "#e4e4e4";
 /// Colours that are distinct for any colour vision (Okabe and Ito 2008), dark ones first; shapes differ, too.
 constexpr std::array colors = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"};
 
-using svg::escaped;
 using svg::rectangle;
 using svg::text;
 

@@ -4,16 +4,9 @@
 #include <string>
 
 #include "host/base/format.hpp"
+#include "host/base/message.hpp"
 
 namespace claray::svg {
-
-/// As text between tags or in quotation marks.
-[[nodiscard]] inline std::string escaped(const std::string& text) {
-    std::string out;
-    for (const char c : text)
-        out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '"' ? "&quot;" : std::string(1, c);
-    return out;
-}
 
 /// `anchor` is start, middle or end; `more` are further attributes.
 [[nodiscard]] inline std::string text(double x, double y, const char* anchor, double size, const char* color,

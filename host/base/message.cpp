@@ -71,6 +71,13 @@ std::string one_line(std::string_view text, std::size_t most) {
 
 std::string many_lines(std::string_view text) { return printable(text, "\n\t"); }
 
+std::string escaped(std::string_view text) {
+    std::string out;
+    for (const char c : text)
+        out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '"' ? "&quot;" : std::string(1, c);
+    return out;
+}
+
 Error::Error(ErrorKind kind, const std::string& message, const std::string& remedy, const std::string& report)
     : std::runtime_error(one_line(remedy.empty() ? message : message + "; " + remedy) +
                          (report.empty() ? std::string() : '\n' + many_lines(report))),

@@ -1,4 +1,4 @@
-// Messages to the user: one line, safe to print on a terminal.
+// Text that is safe to show: messages of one line on a terminal, and text in markup.
 #pragma once
 
 #include <string>
@@ -16,5 +16,8 @@ inline constexpr std::size_t longest_message = 280;
 
 /// The same for a report of several lines: line breaks and tabs are kept, and nothing is cut.
 [[nodiscard]] std::string many_lines(std::string_view text);
+
+/// For SVG, HTML and XML: between tags or in quotation marks.
+[[nodiscard]] std::string escaped(std::string_view text);
 
 }  // namespace claray

@@ -16,14 +16,15 @@ using Action = std::function<void()>;
     X(devices)                                                                                               \
     X(scenes)                                                                                                \
     X(info)                                                                                                  \
-    X(render) X(explain) X(compile) X(bake) X(build) X(bench) X(tune) X(verify) X(accuracy) X(view) X(probe) \
+    X(render)                                                                                                \
+    X(explain) X(compile) X(bake) X(build) X(bench) X(tune) X(verify) X(attest) X(accuracy) X(view) X(probe) \
         X(normal_map)
 
 #define CLARAY_DECLARE(name) void add_##name##_command(CLI::App& app, Action& action);
 CLARAY_COMMANDS(CLARAY_DECLARE)
 #undef CLARAY_DECLARE
 
-/// Opens the device of a command. Prints the warnings about the user's tuning tables.
+/// Opens the device of a command. Prints warnings about its driver and the user's tuning tables.
 [[nodiscard]] Device open_device(const std::string& selector = {});
 /// The same for several devices: see Device::open_several.
 [[nodiscard]] std::vector<Device> open_devices(const std::string& selectors);

@@ -8,6 +8,7 @@
 #include "host/cli/output/messages.hpp"
 #include "host/cli/output/table.hpp"
 #include "host/compute/drivers/icd.hpp"
+#include "host/compute/drivers/known_faults.hpp"
 
 namespace claray::cli {
 namespace {
@@ -60,19 +61,24 @@ void print_lines(const std::vector<std::string>& warnings) {
     for (const std::string& warning : warnings) print_warning(warning);
 }
 
+void warn_of(const Device& device) {
+    if (const std::string fault = known_fault(device.info()); !fault.empty()) print_warning(fault);
+    print_lines(tuning_warnings(device));
+}
+
 }  // namespace
 
 Device open_device(const std::string& selector) {
     Device device = Device::open(selector);
     print_lines(crashing_drivers());
-    print_lines(tuning_warnings(device));
+    warn_of(device);
     return device;
 }
 
 std::vector<Device> open_devices(const std::string& selectors) {
     std::vector<Device> devices = Device::open_several(selectors);
     print_lines(crashing_drivers());
-    for (const Device& device : devices) print_lines(tuning_warnings(device));
+    for (const Device& device : devices) warn_of(device);
     return devices;
 }
 

@@ -2,34 +2,34 @@
 #include "claray/verify.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "host/accuracy/svg.hpp"
 #include "host/base/file.hpp"
 #include "host/base/format.hpp"
+#include "host/base/message.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/options/case_options.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/output/outputs.hpp"
 #include "host/cli/output/table.hpp"
-#include "host/cli/output/verify_reports.hpp"
+#include "host/cli/output/verify_lines.hpp"
 #include "host/measure/compare.hpp"
+#include "host/verify/probes/reduce.hpp"
+#include "host/verify/reports.hpp"
 
 namespace claray::cli {
 namespace {
 
 struct VerifyCommandOptions {
-    VerifyOptions verify;
-    std::vector<std::string> cases;
-    std::string device, json;
-    std::filesystem::path html, tap, junit;
+    CaseOptions run;
+    std::string json;
+    std::filesystem::path html, tap, junit, reduce;
     std::vector<std::string> scenes = {"cornell",        "spheres",    "crate",     "hills",     "effects",
                                        "terrain:200000", "soup:50000", "fan:50000", "hair:50000"};
     int rounds = 9;
-    bool full = false, quick = false, list = false, compare = false;
+    bool list = false, compare = false;
 };
 
 void list_cases() {
@@ -37,79 +37,6 @@ void list_cases() {
     for (const VerifyCase& c : verify_cases()) rows.push_back({c.name, c.family, c.what});
     print_table(rows);
 }
-
-void print_result(const VerifyResult& result) {
-    for (const VerifyCheck& c : result.checks) {
-        const bool first = &c == &result.checks.front();
-        std::printf("%-18s %-64s %11llu  %9s <= %-8s %-22s %s%s\n", first ? result.name.c_str() : "", c.what.c_str(),
-                    static_cast<unsigned long long>(c.tried), number(c.worst).c_str(), number(c.bar).c_str(),
-                    c.unit.c_str(), c.holds() ? "holds" : "FAILS",
-                    first ? (" " + fixed(result.seconds, 2) + " s").c_str() : "");
-    }
-    for (const auto& [name, value] : result.facts) std::printf("%-18s %s: %s\n", "", name.c_str(), value.c_str());
-    if (!result.holds()) {
-        for (const std::string& failure : result.failures) std::printf("  %s\n", failure.c_str());
-        std::printf("  repeat: %s\n", result.command.c_str());
-    }
-    std::fflush(stdout);
-}
-
-/// The cases that run each kernel.
-std::map<std::string, std::string> cases_by_kernel(const std::vector<VerifyResult>& results) {
-    std::map<std::string, std::string> cases;
-    for (const std::string& kernel : kernel_names()) cases[kernel];
-    for (const VerifyResult& result : results)
-        for (const std::string& kernel : result.kernels)
-            cases[kernel] += (cases[kernel].empty() ? "" : " ") + result.name;
-    return cases;
-}
-
-void print_kernels(const std::vector<VerifyResult>& results) {
-    std::vector<Row> rows = {{"kernel", "cases"}};
-    std::size_t run = 0;
-    for (const auto& [kernel, cases] : cases_by_kernel(results)) {
-        rows.push_back({kernel, cases.empty() ? "none" : cases});
-        run += !cases.empty();
-    }
-    print_table(rows);
-    std::printf("%zu of %zu kernels are run by a case\n", run, rows.size() - 1);
-}
-
-nlohmann::ordered_json as_json(const VerifyResult& result) {
-    nlohmann::ordered_json checks = nlohmann::ordered_json::array(), facts = nlohmann::ordered_json::object();
-    for (const VerifyCheck& c : result.checks)
-        checks.push_back({{"what", c.what},
-                          {"tried", c.tried},
-                          {"worst", c.worst},
-                          {"bar", c.bar},
-                          {"unit", c.unit},
-                          {"time", c.time},
-                          {"holds", c.holds()}});
-    for (const auto& [name, value] : result.facts) facts[name] = value;
-    return {{"case", result.name}, {"holds", result.holds()},    {"seconds", result.seconds},
-            {"seed", result.seed}, {"command", result.command},  {"checks", checks},
-            {"facts", facts},      {"failures", result.failures}};
-}
-
-std::string json_of(const Device& device, const VerifyCommandOptions& options, const std::vector<VerifyResult>& results,
-                    double seconds) {
-    nlohmann::ordered_json cases = nlohmann::ordered_json::array();
-    for (const VerifyResult& result : results) {
-        cases.push_back(as_json(result));
-        if (options.verify.kernels) cases.back()["kernels"] = result.kernels;
-    }
-    const nlohmann::ordered_json report = {
-        {"device", device.info().name},
-        {"platform", device.info().platform},
-        {"driver", device.info().driver},
-        {"effort", options.full ? "full" : "quick"},
-        {"seconds", seconds},
-        {"holds", std::all_of(results.begin(), results.end(), [](const VerifyResult& r) { return r.holds(); })},
-        {"cases", cases}};
-    return json_text(report);
-}
-
-using svg::escaped;
 
 std::string svg_of(const VerifyPicture& picture) {
     std::string svg = "<figure><svg viewBox=\"0 0 1 1\" width=\"420\" height=\"420\">";
@@ -239,12 +166,12 @@ std::string json_of(const Device& device, const Comparison& c) {
 }
 
 void compare(const VerifyCommandOptions& options, const VerifyOptions& how) {
-    const Device device = open_device(options.device);
+    const Device device = open_device(options.run.device);
     Comparison c;
     for (measure::Remedy remedy : measure::remedies()) {
-        if (!options.cases.empty())
+        if (!options.run.cases.empty())
             std::erase_if(remedy.cases, [&](const std::string& name) {
-                return std::find(options.cases.begin(), options.cases.end(), name) == options.cases.end();
+                return std::ranges::find(options.run.cases, name) == options.run.cases.end();
             });
         for (auto& f : measure::compare_failures(device, remedy, how)) c.failures.push_back(f);
     }
@@ -258,6 +185,23 @@ void compare(const VerifyCommandOptions& options, const VerifyOptions& how) {
         write_file(options.json, json_of(device, c));
 }
 
+/// Writes what shows the faults without claray.
+void reduce(const VerifyCommandOptions& options) {
+    const auto say = [](const std::string& line) { std::printf("%s\n", line.c_str()), std::fflush(stdout); };
+    std::string device;  // its number
+    const auto run = [&](const std::vector<std::string>& names, const auto& report) {
+        CaseOptions some = options.run;
+        some.cases = names;
+        device = std::to_string(run_cases(
+                                    some, [](const DeviceInfo&) {}, report)
+                                    .device.index);
+    };
+    Writes writes;
+    for (const std::string& name : verify::probes_to_write(options.run.cases, run, say))
+        writes.attempt([&] { say(verify::write_probe(options.reduce, name) + ' ' + device); });
+    writes.finish();
+}
+
 void verify(const VerifyCommandOptions& options) {
     if (options.list) return list_cases();
     const bool json_to_output = options.json == "-";
@@ -265,53 +209,39 @@ void verify(const VerifyCommandOptions& options) {
                    {"--html", options.html},
                    {"--tap", options.tap},
                    {"--junit", options.junit}});
-    VerifyOptions how = options.verify;
-    how.effort = options.full ? Effort::full : Effort::quick;
-    check_verify_cases(options.cases);
+    const VerifyOptions how = options.run.verify_options();
+    check_verify_cases(options.run.cases);
     if (options.compare) return compare(options, how);
-    std::vector<std::string> names = options.cases;
-    if (names.empty())
-        for (const VerifyCase& c : verify_cases()) names.push_back(c.name);
-    const Device device = open_device(options.device);
-    if (!json_to_output)
-        std::printf("%s, driver %s\n%-18s %-64s %11s  %9s    %-8s %s\n", device.info().name.c_str(),
-                    device.info().driver.c_str(), "case", "figure", "tried", "worst", "bar", "unit");
-    std::vector<VerifyResult> results;
-    const auto begin = std::chrono::steady_clock::now();
-    run_verify_cases(device, names, how, [&](const VerifyResult& result) {
-        results.push_back(result);
+    if (!options.reduce.empty()) return reduce(options);
+    const auto opened = [&](const DeviceInfo& device) {
+        if (!json_to_output) print_head(device);
+    };
+    const auto report = [&](const VerifyResult& result) {
         if (!json_to_output) print_result(result);
-    });
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    };
+    const Verified verified = run_cases(options.run, opened, report);
+    const auto& [device, results, seconds] = verified;
     if (how.kernels && !json_to_output) print_kernels(results);
-    const std::string json = json_of(device, options, results, seconds);
+    const std::string json = verify::json_of(device, how, results, seconds);
     Writes writes;
     if (json_to_output)
         std::fputs(json.c_str(), stdout);
     else if (!options.json.empty())
         writes.attempt([&] { write_file(options.json, json); });
-    const auto write_report = [&](const std::filesystem::path& path, const auto& report) {
-        if (!path.empty()) writes.attempt([&] { write_file(path, report()); });
+    const auto write_report = [&](const std::filesystem::path& path, const auto& text) {
+        if (!path.empty()) writes.attempt([&] { write_file(path, text()); });
     };
-    write_report(options.html, [&] { return html_of(device.info(), results); });
-    write_report(options.tap, [&] { return tap_of(results); });
-    write_report(options.junit, [&] { return junit_of(device.info(), results); });
-    const auto failed = std::count_if(results.begin(), results.end(), [](const VerifyResult& r) { return !r.holds(); });
-    if (!json_to_output && failed == 0)
+    write_report(options.html, [&] { return html_of(device, results); });
+    write_report(options.tap, [&] { return verify::tap_of(results); });
+    write_report(options.junit, [&] { return verify::junit_of(device, results); });
+    const bool holds = std::ranges::all_of(results, [](const VerifyResult& r) { return r.holds(); });
+    if (!json_to_output && holds)
         std::printf(
             "%s in %.1f s: this device and driver can be trusted with %s\n",
             results.size() == 1 ? "the case holds" : ("all " + std::to_string(results.size()) + " cases hold").c_str(),
             seconds, results.size() == 1 ? "it" : "them");
-    if (failed > 0) {
-        std::string which;
-        for (const VerifyResult& r : results)
-            if (!r.holds()) which += (which.empty() ? "" : ", ") + r.name;
-        std::fflush(stdout);
-        throw Error(ErrorKind::device,
-                    std::to_string(failed) + " of " + std::to_string(results.size()) + " cases fail on " +
-                        device.info().name + ": " + which,
-                    "do not rely on this driver in these cases; the commands above repeat them");
-    }
+    std::fflush(stdout);
+    refuse_failed(verified);
     writes.finish();
 }
 
@@ -328,36 +258,32 @@ void add_verify_command(CLI::App& app, Action& action) {
         "  claray verify --case edges --case boxes --seed 7\n"
         "  claray verify --compare --scene hair:50000 --scene sponza.obj");
     auto o = std::make_shared<VerifyCommandOptions>();
-    command->add_flag("--quick", o->quick, "Half a minute if the kernels are cached, otherwise minutes (default)");
-    command->add_flag("--full", o->full, "Run the full number of trials: minutes on a GPU, hours on a few CPU cores");
-    command->add_option("--case", o->cases, "Run only this case; may be repeated")->allow_extra_args(false);
+    add_case_options(*command, o->run);
     command->add_flag("--list", o->list, "Print the cases");
-    command->add_flag("--kernels", o->verify.kernels, "Print which cases run each kernel, and which kernels none runs");
+    command->add_flag("--kernels", o->run.how.kernels,
+                      "Print which cases run each kernel, and which kernels none runs");
     command->add_flag("--compare", o->compare,
                       "Compare each remedy with the textbook's version: failures (of --case, if given) and times");
     command->add_option("--scene", o->scenes, "Scenes and files for comparing times [the built-in ones]")
         ->allow_extra_args(false);
     command->add_option("--rounds", o->rounds, "Rounds for comparing times [9]")->transform(whole_number(1, 1000));
-    command->add_option("--seed", o->verify.seed, "Seed of random rays and meshes [1]")
-        ->transform(whole_number(0, UINT64_MAX));
-    command->add_flag("!--no-times", o->verify.times, "Do not check ratios of times (for busy machines)");
-    command
-        ->add_option("--threads", o->verify.threads, "Cases run at once [GPU: number of processors, at most 5; else 1]")
-        ->transform(whole_number(1, 64));
     command->add_option("--json", o->json, "Write the results as JSON to this file; - means standard output");
     command->add_option("--html", o->html, "Write an HTML report with pictures of failures");
     command->add_option("--tap", o->tap, "Write the results for the Test Anything Protocol, version 14");
     command->add_option("--junit", o->junit, "Write the results as JUnit's XML, for build servers");
-    command->add_option("--device", o->device, "cpu, gpu, an index or part of a name (see claray devices)");
+    command->add_option("--reduce", o->reduce,
+                        "Write a kernel and a C program to this folder for each probe that fails, or each of --case");
     command->callback([&action, command, o] {
-        refuse_both(*command, "--quick", {"--full"}, "choose one");
+        refuse_contradicting_case_options(*command);
         refuse_without(*command, "--scene", "--compare");
         refuse_without(*command, "--rounds", "--compare");
-        refuse_both(*command, "--compare", {"--html", "--tap", "--junit", "--no-times", "--kernels"},
+        refuse_both(*command, "--compare", {"--html", "--tap", "--junit", "--no-times", "--kernels", "--limit"},
                     "--compare prints failures and times");
+        refuse_both(*command, "--reduce", {"--compare", "--json", "--html", "--tap", "--junit", "--kernels"},
+                    "--reduce writes programs");
         refuse_both(*command, "--list",
-                    {"--quick", "--full", "--case", "--compare", "--kernels", "--seed", "--no-times", "--json",
-                     "--html", "--tap", "--junit", "--device"},
+                    {"--quick", "--full", "--case", "--compare", "--kernels", "--seed", "--limit", "--no-times",
+                     "--json", "--html", "--tap", "--junit", "--reduce", "--device"},
                     "--list runs no case");
         action = [o] { verify(*o); };
     });

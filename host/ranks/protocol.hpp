@@ -3,9 +3,9 @@
 #pragma once
 
 #include "claray/renderer.hpp"
-#include "host/ranks/bytes.hpp"
 #include "host/ranks/session.hpp"
 #include "host/scale/worker.hpp"
+#include "host/scene/bytes.hpp"
 
 namespace claray::ranks {
 

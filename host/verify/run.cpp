@@ -17,8 +17,9 @@ void Run::side_by_side(std::size_t count, const std::function<void(const Device&
     });
 }
 
-void Run::check(const std::string& what, std::uint64_t tried, double worst, double bar, const std::string& unit) {
-    result_.checks.push_back({what, tried, worst, bar, unit});
+void Run::check(const std::string& what, std::uint64_t tried, double worst, double bar, const std::string& unit,
+                bool known) {
+    result_.checks.push_back({what, tried, worst, bar, unit, false, known});
 }
 void Run::check_time(const std::string& what, std::uint64_t tried, const std::function<void()>& task,
                      const std::function<void()>& other, double bar) {

@@ -43,7 +43,8 @@ public:
     }
 
     /// Records a figure; the check holds if worst <= bar.
-    void check(const std::string& what, std::uint64_t tried, double worst, double bar, const std::string& unit);
+    void check(const std::string& what, std::uint64_t tried, double worst, double bar, const std::string& unit,
+               bool known = false);
     /// Holds if no result of the tally is wrong.
     void check(const std::string& what, const Tally& tally, const std::string& unit) {
         check(what, tally.tried, double(tally.wrong), 0, unit);

@@ -1,14 +1,12 @@
 #include "claray/verify.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
-#include <deque>
-#include <future>
-#include <map>
-#include <set>
-#include <thread>
+#include <mutex>
+#include <numeric>
 
+#include "host/base/seconds_since.hpp"
+#include "host/verify/apart/run_apart.hpp"
 #include "host/verify/cases/cases.hpp"
 #include "host/verify/kernels_run.hpp"
 #include "host/verify/run.hpp"
@@ -22,10 +20,10 @@ const Cases& entries() {
     static const Cases all = [] {
         Cases joined;
         for (const auto& family :
-             {device_cases, function_cases,  edge_cases,      triangle_cases,  box_cases,        tree_cases,
-              refit_cases,  instance_cases,  query_cases,     primitive_cases, material_cases,   media_cases,
-              image_cases,  harmonics_cases, shading_cases,   gbuffer_cases,   wave_cases,       random_cases,
-              light_cases,  sameness_cases,  committed_cases, drawn_cases,     drawn_query_cases})
+             {device_cases, function_cases,  edge_cases,      triangle_cases,  box_cases,         tree_cases,
+              refit_cases,  instance_cases,  query_cases,     primitive_cases, material_cases,    media_cases,
+              image_cases,  harmonics_cases, shading_cases,   gbuffer_cases,   wave_cases,        random_cases,
+              light_cases,  sameness_cases,  committed_cases, drawn_cases,     drawn_query_cases, probe_cases})
             for (const Case& one : family()) joined.push_back(one);
         return joined;
     }();
@@ -44,17 +42,18 @@ VerifyResult run_case(const Device& device, Devices& more, const std::string& na
     const Case& entry = entry_of(name);
     VerifyResult result;
     result.name = name, result.seed = options.seed;
-    result.command = "claray verify --case " + name + (options.effort == Effort::full ? " --full" : " --quick") +
-                     " --seed " + std::to_string(options.seed) + " --device '" + std::to_string(device.info().index) +
-                     "'";
+    result.command = command_of(name, options, device.info());
     const auto begin = std::chrono::steady_clock::now();
     verify::Run run(device, more, options, result);
-    {
+    try {
         const KernelsRun kernels(device, options.kernels, result.kernels);
         entry.run(run);
+        device.finish();
+    } catch (const std::exception& error) {  // a driver without something that the case needs, or with an error
+        const std::string what = error.what();
+        return unended(name, options, device.info(), what.substr(0, what.find('\n')), seconds_since(begin));
     }
-    device.finish();
-    result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    result.seconds = seconds_since(begin);
     return result;
 }
 
@@ -64,57 +63,12 @@ int rank_of(const std::string& name) {
     return name == "nan-pixels" ? 0 : family == "images" || family == "materials" ? 1 : 2;
 }
 
-/// Cases that run side by side, in an order that begins with those that compile longest.
-class Crew {
-public:
-    Crew(const Device& device, Devices& more, std::vector<std::string> names, const VerifyOptions& options)
-        : more_(more), names_(std::move(names)) {
-        std::stable_sort(names_.begin(), names_.end(),
-                         [](const std::string& a, const std::string& b) { return rank_of(a) < rank_of(b); });
-        for (const std::string& name : names_) found_[name] = results_.emplace_back().get_future();
-        work_ = std::thread([this, device, options] {
-            side_by_side(device, more_, options.threads, names_.size(), [&](const Device& on, std::size_t i) {
-                if (!ends_) run(on, i, options);
-            });
-        });
-    }
-    ~Crew() {
-        ends_ = true;  // cases that have not begun are cancelled
-        wait();
-    }
-    Crew(const Crew&) = delete;
-    Crew& operator=(const Crew&) = delete;
-
-    [[nodiscard]] bool has(const std::string& name) const { return found_.contains(name); }
-    /// Waits for the case.
-    [[nodiscard]] const VerifyResult& result_of(const std::string& name) const { return found_.at(name).get(); }
-    /// Waits until no case is running.
-    void wait() {
-        if (work_.joinable()) work_.join();
-    }
-
-private:
-    void run(const Device& device, std::size_t i, const VerifyOptions& options) {
-        try {
-            results_[i].set_value(run_case(device, more_, names_[i], options));
-        } catch (...) {
-            results_[i].set_exception(std::current_exception());
-        }
-    }
-
-    Devices& more_;
-    std::vector<std::string> names_;
-    std::deque<std::promise<VerifyResult>> results_;
-    std::map<std::string, std::shared_future<VerifyResult>> found_;
-    std::atomic<bool> ends_{false};
-    std::thread work_;
-};
-
-/// A CPU driver already has a thread per processor. GPUs wait for compilers.
+/// A CPU driver already has a thread per processor. GPUs wait for compilers, and not every driver may be asked by
+/// several threads: Oclgrind mixes up the results of two contexts.
 unsigned threads_for(const Device& device, const VerifyOptions& options) {
     if (options.threads != 0) return options.threads;
     if (device.info().type != DeviceType::gpu) return 1;
-    return contexts_at_once();
+    return device.tuning("compute/programs", "SIDE_BY_SIDE") != 0 ? contexts_at_once() : 1;
 }
 
 VerifyOptions with_threads(const Device& device, VerifyOptions options) {
@@ -123,6 +77,45 @@ VerifyOptions with_threads(const Device& device, VerifyOptions options) {
 }
 
 }  // namespace
+
+namespace verify {
+
+std::string command_of(const std::string& name, const VerifyOptions& options, const DeviceInfo& device) {
+    return "claray verify --case " + name + (options.effort == Effort::full ? " --full" : " --quick") + " --seed " +
+           std::to_string(options.seed) + " --device '" + std::to_string(device.index) + "'";
+}
+
+void run_numbered_cases(const Device& device, std::span<const std::string> names, std::span<const std::size_t> which,
+                        const VerifyOptions& with, const CaseEvents& events) {
+    const VerifyOptions options = with_threads(device, with);
+    std::vector<std::size_t> at_once, alone;
+    for (const std::size_t i : which) {
+        const bool measures = entry_of(names[i]).measures_times && options.times;
+        (options.threads > 1 && !measures ? at_once : alone).push_back(i);
+    }
+    std::ranges::stable_sort(at_once, {}, [&](std::size_t i) { return rank_of(names[i]); });
+    Devices more(device);
+    std::mutex mutex;
+    bool ends = false;  // an event threw
+    const auto tell = [&](const auto& event) {
+        const std::lock_guard lock(mutex);
+        if (ends) return false;
+        ends = true;
+        event();
+        ends = false;
+        return true;
+    };
+    const auto run = [&](const Device& on, std::size_t i) {
+        if (!tell([&] { events.begun(i); })) return;
+        const VerifyResult result = run_case(on, more, names[i], options);
+        (void)tell([&] { events.ended(i, result); });
+    };
+    side_by_side(device, more, options.threads, at_once.size(),
+                 [&](const Device& on, std::size_t k) { run(on, at_once[k]); });
+    for (const std::size_t i : alone) run(device, i);
+}
+
+}  // namespace verify
 
 bool VerifyResult::holds() const {
     return std::all_of(checks.begin(), checks.end(), [](const VerifyCheck& c) { return c.holds(); });
@@ -142,26 +135,20 @@ void check_verify_cases(std::span<const std::string> names) {
 }
 
 VerifyResult run_verify_case(const Device& device, const std::string& name, const VerifyOptions& options) {
+    const VerifyOptions with = with_threads(device, options);
     Devices more(device);
-    return run_case(device, more, name, with_threads(device, options));
+    return run_case(device, more, name, with);
 }
 
-void run_verify_cases(const Device& device, std::span<const std::string> names, const VerifyOptions& with,
+void run_verify_cases(const Device& device, std::span<const std::string> names, const VerifyOptions& options,
                       const std::function<void(const VerifyResult&)>& report) {
-    const VerifyOptions options = with_threads(device, with);
-    std::set<std::string> side_by_side;
-    for (const std::string& name : names)
-        if (!(entry_of(name).measures_times && options.times) && options.threads > 1) side_by_side.insert(name);
-    Devices more(device);
-    Crew crew(device, more, {side_by_side.begin(), side_by_side.end()}, options);
-    for (const std::string& name : names) {
-        if (crew.has(name)) {
-            report(crew.result_of(name));
-            continue;
-        }
-        crew.wait();
-        report(run_case(device, more, name, options));
-    }
+    check_verify_cases(names);
+    std::vector<std::size_t> which(names.size());
+    std::iota(which.begin(), which.end(), std::size_t(0));
+    InOrder in_order(names.size(), report);
+    run_numbered_cases(
+        device, names, which, options,
+        {[](std::size_t) {}, [&](std::size_t i, const VerifyResult& result) { in_order.add(i, result); }});
 }
 
 }  // namespace claray

@@ -75,6 +75,22 @@ TEST(VerifyCommand, NoticesATextbookKernel) {
     EXPECT_NE(xml.find("repeat: claray verify --case edges --quick --seed 3"), std::string::npos) << xml;
 }
 
+/// No case ends within a hundredth of a second: each fails with one line, and the others go on.
+TEST(VerifyCommand, EndsCasesThatTakeTooLong) {
+    const ProcessResult result =
+        run_claray({"verify", "--case", "sort", "--case", "tree-hashes", "--limit", "10ms", "--no-times"});
+    EXPECT_EQ(result.exit_code, 3);
+    EXPECT_NE(result.errors.find("2 of 2 cases fail"), std::string::npos) << result.errors;
+    for (const char* name : {"sort", "tree-hashes"}) {
+        const std::size_t line = result.output.find(std::string("\n") + name + " ");
+        ASSERT_NE(line, std::string::npos) << result.output;
+        EXPECT_NE(result.output.find("\n  killed after 0.01 s without an end\n  repeat: claray verify --case ", line),
+                  std::string::npos)
+            << result.output;
+    }
+    EXPECT_TRUE(failed_with(run_claray({"verify", "--limit", "0"}), 2, "--limit"));
+}
+
 TEST(VerifyCommand, RefusesWhatItDoesNotKnow) {
     EXPECT_TRUE(failed_with(run_claray({"verify", "--case", "no-such-case"}), 2, "choose one of arithmetic"));
     EXPECT_TRUE(failed_with(run_claray({"verify", "--compare", "--case", "no-such-case"}), 2, "choose one of"));

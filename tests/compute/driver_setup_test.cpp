@@ -12,6 +12,7 @@
 #include <fstream>
 #include <thread>
 
+#include "host/compute/drivers/known_faults.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/process.hpp"
 
@@ -116,6 +117,17 @@ TEST(GroupSizes, AreCompiledOnceUnlessTheUserSaysSo) {
     const int once = programs_written({});
     EXPECT_GT(once, 0);
     EXPECT_GE(programs_written({{"POCL_WORK_GROUP_SPECIALIZATION", "1"}}), once + 2);
+}
+
+TEST(KnownFaults, WarnOfDriversWithWrongResultsOnly) {
+    EXPECT_EQ(known_fault(device().info()), "");
+    DeviceInfo info;
+    info.platform = "rusticl", info.name = "llvmpipe (LLVM 15.0.6, 256 bits)", info.driver = "22.3.6";
+    const std::string fault = known_fault(info);
+    for (const char* part : {"rusticl 22.3.6", "65,535 iterations", "apt-get install pocl-opencl-icd"})
+        EXPECT_NE(fault.find(part), std::string::npos) << fault;
+    info.name = "AMD Radeon";  // another compiler
+    EXPECT_EQ(known_fault(info), "");
 }
 
 }  // namespace

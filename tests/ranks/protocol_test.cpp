@@ -93,7 +93,7 @@ TEST(Protocol, SeesDamage) {
 /// What no rank of this version sends.
 TEST(Protocol, RefusesWhatCannotBe) {
     const auto refused = [](const std::string& why, const std::function<void()>& read) {
-        EXPECT_TRUE(throws_error(ErrorKind::user, "a message of another rank " + why, read));
+        EXPECT_TRUE(throws_error(ErrorKind::user, "a message of another process " + why, read));
     };
     const Hello hello{"v", "o", "h", {"a"}};
     refused("is too long", [&] { (void)hello_from(to_bytes(hello) + "x"); });

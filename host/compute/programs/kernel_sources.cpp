@@ -53,7 +53,7 @@ void add_new_files(std::vector<KernelSource>& sources, const std::filesystem::pa
         const std::string extension = entry.path().extension();
         if (extension != ".cl" && extension != ".clh") continue;
         const std::string path = entry.path().lexically_relative(kernels).generic_string();
-        if (!known.contains(path)) sources.push_back({path, read_text(entry.path())});
+        if (!known.contains(path) && !path.starts_with("probes/")) sources.push_back({path, read_text(entry.path())});
     }
 }
 

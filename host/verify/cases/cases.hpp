@@ -12,6 +12,7 @@ struct Case {
 };
 using Cases = std::vector<Case>;
 
+[[nodiscard]] Cases probe_cases();
 [[nodiscard]] Cases device_cases();
 [[nodiscard]] Cases function_cases();
 [[nodiscard]] Cases edge_cases();

@@ -1,17 +1,19 @@
 // Values as bytes, for messages between processes of one version on machines of one byte order.
 #pragma once
 
+#include <cstdint>
 #include <cstring>
-#include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "claray/error.hpp"
 #include "host/scene/members.hpp"
 
-namespace claray::ranks {
+namespace claray {
 
 template <class T>
 concept Plain = std::is_trivially_copyable_v<T>;
@@ -42,6 +44,9 @@ private:
         else
             for (const T& value : values) put(value);
     }
+    void put(const std::set<std::string>& texts) { put(std::vector<std::string>(texts.begin(), texts.end())); }
+    template <class A, class B>
+    requires(!Plain<std::pair<A, B>>) void put(const std::pair<A, B>& pair) { add(pair.first, pair.second); }
     template <class T>
     requires(Described<T> && !Plain<T>) void put(const T& value) {
         visit_members(value, [&](const auto&... members) { add(members...); });
@@ -50,9 +55,9 @@ private:
     std::string bytes_;
 };
 
-/// About bytes that no rank of this version sends.
+/// About bytes that no process of this version sends.
 [[noreturn]] inline void refuse_message(const std::string& why) {
-    throw Error(ErrorKind::user, "a message of another rank " + why);
+    throw Error(ErrorKind::user, "a message of another process " + why);
 }
 
 /// Throws ErrorKind::user if the bytes end too early.
@@ -100,6 +105,13 @@ private:
                 take(values.emplace_back());  // a wrong count ends early
         }
     }
+    void take(std::set<std::string>& texts) {
+        std::vector<std::string> list;
+        take(list);
+        texts = {list.begin(), list.end()};
+    }
+    template <class A, class B>
+    requires(!Plain<std::pair<A, B>>) void take(std::pair<A, B>& pair) { get(pair.first, pair.second); }
     template <class T>
     requires(Described<T> && !Plain<T>) void take(T& value) {
         visit_members(value, [&](auto&... members) { get(members...); });
@@ -108,4 +120,4 @@ private:
     std::string_view bytes_;
 };
 
-}  // namespace claray::ranks
+}  // namespace claray

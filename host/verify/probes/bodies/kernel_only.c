@@ -1,0 +1,3 @@
+static void probe(Probe* p) {
+    build(p, ""), prepare(p), launch(p, 16384, 64);
+}
