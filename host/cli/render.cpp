@@ -344,7 +344,7 @@ void render(const RenderOptions& options) {
     if (options.denoiser) check_denoiser(*options.denoiser);
     tell_of_signals_until_guarded();
     const std::vector<Device> devices = open_devices(options.device);
-    const ranks::Ranks* const ranks = meet_ranks();
+    (void)meet_ranks();
     refuse_several(devices, options);
     warn_of_missing_float64(devices);
     enable_profilers(devices, options);

@@ -99,6 +99,7 @@ std::vector<Instance> drawn_instances(std::size_t count, std::uint64_t seed) {
     for (std::uint32_t i = 0; i < count; ++i) {
         glm::mat4 m = drawn_transform(random);
         if (i % 3 == 0) m[int(random.below(3))] *= -1.f;
+        if (i % 4 == 1) m[seed % 2] *= 2.f, m[1 - seed % 2] *= 0.3f;  // other axes are long at the end of the motion
         if (i % 17 == 5) m[1] = m[0];
         if (i % 13 == 4) m[2] *= 1e-4f;
         instances.push_back(make_instance(m, i % 7 == 6 ? 2 + random.below(2) : random.below(2), random.below(4), i));
@@ -124,7 +125,7 @@ void drawn_instance_queries(Run& run) {
                                           build(run, sphere(1), {.layout = layout}),
                                           build(run, empty, {.layout = layout})};
         const std::vector<Instance> begins = drawn_instances(1 + seed * 5, seed),
-                                    ends = drawn_instances(begins.size(), 90 + seed);
+                                    ends = drawn_instances(begins.size(), 91 + seed);
         const auto rays = random_rays(800, 5.f, 1.5f, seed);
         std::vector<float> times;
         std::vector<std::uint32_t> masks;
