@@ -14,9 +14,11 @@
 #include <barrier>
 #include <chrono>
 #include <condition_variable>
+#include <fstream>
 #include <map>
 #include <mutex>
 #include <set>
+#include <sstream>
 #include <thread>
 
 #include "host/verify/run.hpp"
@@ -33,10 +35,25 @@ void PrintTo(const VerifyCase& c, std::ostream* out) { *out << c.name; }
 namespace claray::test {
 namespace {
 
+/// A case for each kernel; "-" for those of studies and tests.
+std::map<std::string, std::string> cases_of_kernels() {
+    std::ifstream file(CLARAY_SOURCE_DIR "/tests/verify/kernels.txt");
+    std::map<std::string, std::string> cases;
+    for (std::string line; std::getline(file, line);) {
+        std::istringstream words(line);
+        std::string kernel, name;
+        if (line[0] != '#' && words >> kernel >> name) cases[kernel] = name;
+    }
+    return cases;
+}
+
 class Verify : public testing::TestWithParam<VerifyCase> {};
 
 TEST_P(Verify, Holds) {
-    const VerifyResult result = run_verify_case(device(), GetParam().name, {.times = false});
+    const VerifyResult result = run_verify_case(device(), GetParam().name, {.times = false, .kernels = true});
+    if (device().info().type == DeviceType::cpu)
+        for (const auto& [kernel, name] : cases_of_kernels())
+            EXPECT_TRUE(name != result.name || result.kernels.contains(kernel)) << kernel << ": see kernels.txt";
     EXPECT_FALSE(result.checks.empty());
     for (const VerifyCheck& check : result.checks) {
         EXPECT_TRUE(check.holds()) << check.what << ": " << check.worst << ' ' << check.unit << " of " << check.tried
@@ -65,6 +82,16 @@ TEST(VerifyCases, NothingLeaksWithoutDoublePrecision) {
         const VerifyResult result = run_verify_case(fresh, name, {.times = false});
         EXPECT_TRUE(result.holds()) << name;
         for (const std::string& failure : result.failures) ADD_FAILURE() << failure;
+    }
+}
+
+/// A kernel without a line in kernels.txt is run by no case: add one, and find it by `claray verify --kernels`.
+TEST(VerifyCases, RunEveryKernel) {
+    const auto cases = cases_of_kernels();
+    for (const std::string& kernel : kernel_names()) EXPECT_TRUE(cases.contains(kernel)) << kernel;
+    for (const auto& [kernel, name] : cases) {
+        EXPECT_TRUE(kernel_names().contains(kernel)) << kernel;
+        if (name != "-") EXPECT_NO_THROW(check_verify_cases(std::vector{name})) << kernel;
     }
 }
 
