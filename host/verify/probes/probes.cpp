@@ -21,6 +21,9 @@ namespace kernel_only {
 namespace atomics {
 #include "host/verify/probes/bodies/atomics.c"
 }
+namespace argument_values {
+#include "host/verify/probes/bodies/argument_values.c"
+}
 namespace correct_division {
 #include "host/verify/probes/bodies/correct_division.c"
 }
@@ -90,6 +93,7 @@ constexpr Row rows[] = {
     {"struct-addresses", kernel_only::probe, "functions read and write structs of their caller by address"},
     {"long-loops", kernel_only::probe, "loops of more than 65,535 iterations"},
     {"sixteen-arguments", sixteen_arguments::probe, "a kernel gets sixteen arguments of all sizes"},
+    {"argument-values", argument_values::probe, "commands in a queue keep the arguments that they were enqueued with"},
     {"headers", headers::probe, "clCompileProgram takes the header that it is given, not a file of this name"},
     {"atomics", atomics::probe, "counters of all groups, minima, maxima and exchanges under load"},
     {"wide-atomics", wide_atomics::probe, "atomics of 64 bits"},

@@ -20,7 +20,9 @@ std::vector<std::string> failing(const std::vector<std::string>& names, const Ru
     run(names, [&](const VerifyResult& result) {
         if (!shows_fault(result)) return;
         found.push_back(result.name);
-        say(result.name + " fails" + (result.failures.empty() ? "" : ": " + result.failures.front()));
+        std::string why = result.failures.empty() ? "" : result.failures.front();
+        if (why.empty() && !result.facts.empty()) why = result.facts.back().second;  // a known fault
+        say(result.name + " fails" + (why.empty() ? "" : ": " + why));
     });
     return found;
 }
