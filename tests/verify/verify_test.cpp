@@ -51,9 +51,10 @@ class Verify : public testing::TestWithParam<VerifyCase> {};
 
 TEST_P(Verify, Holds) {
     const VerifyResult result = run_verify_case(device(), GetParam().name, {.times = false, .kernels = true});
-    if (device().info().type == DeviceType::cpu)
+    if (device().info().type == DeviceType::cpu) {
         for (const auto& [kernel, name] : cases_of_kernels())
             EXPECT_TRUE(name != result.name || result.kernels.contains(kernel)) << kernel << ": see kernels.txt";
+    }
     EXPECT_FALSE(result.checks.empty());
     for (const VerifyCheck& check : result.checks) {
         EXPECT_TRUE(check.holds()) << check.what << ": " << check.worst << ' ' << check.unit << " of " << check.tried
@@ -91,7 +92,9 @@ TEST(VerifyCases, RunEveryKernel) {
     for (const std::string& kernel : kernel_names()) EXPECT_TRUE(cases.contains(kernel)) << kernel;
     for (const auto& [kernel, name] : cases) {
         EXPECT_TRUE(kernel_names().contains(kernel)) << kernel;
-        if (name != "-") EXPECT_NO_THROW(check_verify_cases(std::vector{name})) << kernel;
+        if (name != "-") {
+            EXPECT_NO_THROW(check_verify_cases(std::vector{name})) << kernel;
+        }
     }
 }
 
