@@ -7,6 +7,7 @@
 #include "claray/renderer.hpp"
 #include "host/base/file.hpp"
 #include "host/base/folders.hpp"
+#include "host/base/format.hpp"
 #include "host/base/process.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/options/option_rules.hpp"
@@ -25,8 +26,8 @@ struct AttestOptions {
     bool page = false;
 };
 
-/// What a child process does and sends; why not, if it throws or dies. It takes at most a quarter of an hour.
-std::string answer_of(const std::function<std::string()>& work, std::string& why_not) {
+/// What a child process does and sends; why not, if it throws, dies or takes longer than `limit` seconds.
+std::string answer_of(const std::function<std::string()>& work, double limit, std::string& why_not) {
     verify::Child child([&](const verify::Child::Send& send) {
         try {
             send('+' + work());
@@ -34,19 +35,22 @@ std::string answer_of(const std::function<std::string()>& work, std::string& why
             send('-' + std::string(error.what()));
         }
     });
-    const auto until = verify::Child::Clock::now() + std::chrono::minutes(15);
+    using Clock = verify::Child::Clock;
+    const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(limit));
     std::string answer;
     const verify::Child::Heard heard = child.hear(answer, until);
     const std::string how = child.ended(until);
     why_not.clear();
-    if (heard != verify::Child::Heard::message)
+    if (heard == verify::Child::Heard::nothing)
+        why_not = printed("killed after %g s without an end", limit);
+    else if (heard == verify::Child::Heard::end)
         why_not = "the driver ended the process " + how;
     else if (answer[0] == '-')
         why_not = answer.substr(1, answer.find('\n') - 1);
     return why_not.empty() ? answer.substr(1) : "";
 }
 
-std::string opencl_c_of(const std::string& selector) {
+std::string opencl_c_of(const std::string& selector, double limit) {
     std::string why_not;
     return answer_of(
         [&] {
@@ -54,11 +58,11 @@ std::string opencl_c_of(const std::string& selector) {
             const auto devices = device.context().getInfo<CL_CONTEXT_DEVICES>();
             return devices.at(0).getInfo<CL_DEVICE_OPENCL_C_VERSION>();
         },
-        why_not);
+        limit, why_not);
 }
 
 /// With empty caches, claray's own and those of the drivers that have one.
-FirstPicture first_picture(const std::string& scene, const std::string& selector) {
+FirstPicture first_picture(const std::string& scene, const std::string& selector, double limit) {
     FirstPicture picture{scene};
     const auto caches = scratch_folder();
     const std::string answer = answer_of(
@@ -73,7 +77,7 @@ FirstPicture first_picture(const std::string& scene, const std::string& selector
             writer.add(renderer.statistics().first_pixel_seconds, compile_statistics().milliseconds / 1e3);
             return writer.take();
         },
-        picture.failure);
+        limit, picture.failure);
     if (picture.failure.empty()) ByteReader(answer).get(picture.seconds, picture.compile_seconds);
     return picture;
 }
@@ -103,9 +107,11 @@ void attest(const AttestOptions& options) {
             if (!to_output) print_result(result);
         });
     std::vector<FirstPicture> pictures;
+    const double limit = options.run.limit.value_or(600);  // also with --full
     const std::string selector = std::to_string(verified.device.index);
-    for (const char* scene : {"cornell", "spheres"}) pictures.push_back(first_picture(scene, selector));
-    const std::string text = attestation_text(verified, options.run.verify_options(), opencl_c_of(selector), pictures);
+    for (const char* scene : {"cornell", "spheres"}) pictures.push_back(first_picture(scene, selector, limit));
+    const std::string text =
+        attestation_text(verified, options.run.verify_options(), opencl_c_of(selector, limit), pictures);
     if (to_output)
         std::fputs(text.c_str(), stdout);
     else

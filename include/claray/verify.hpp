@@ -84,8 +84,8 @@ void check_verify_cases(std::span<const std::string> names);
                                            const VerifyOptions& options = {});
 
 /// Runs cases and passes each result to `report`, in the order of `names`, as soon as it and those before it are
-/// available; one call at a time, from any thread. Most cases take longer to compile than to run, so several run at
-/// once, each thread with its own queue. Cases that measure times run alone, after the others. Throws as
+/// available. `report` is called from any thread, by one at a time. Most cases take longer to compile than to run, so
+/// several run at once, each thread with its own queue. Cases that measure times run alone, after the others. Throws as
 /// run_verify_case does, and what `report` throws.
 void run_verify_cases(const Device& device, std::span<const std::string> names, const VerifyOptions& options,
                       const std::function<void(const VerifyResult&)>& report);

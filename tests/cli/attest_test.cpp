@@ -38,7 +38,7 @@ TEST(AttestCommand, WritesAFileOfWhichItMakesAPage) {
     ASSERT_EQ(page.exit_code, 0) << page.errors;
     for (const char* line :
          {"| case | bad | good |", "| `tree-hashes` | **fails** | holds |", "| `srgb` | not run | holds |",
-          "| `sort` | not run | not run |", "| bad | `tree-hashes` | killed after 0.01 s without an end (",
+          "| `sort` | not run | not run |", "| bad | `tree-hashes` | killed after 0.01 s without an end |",
           "[good](good.json)", "2 of 2", "0 of 1"})
         EXPECT_NE(page.output.find(line), std::string::npos) << line << "\n" << page.output;
     EXPECT_EQ(run_claray({"attest", "--page", bad, good}).output, page.output) << "the order of the files matters";

@@ -10,6 +10,7 @@
 #include "host/base/message.hpp"
 #include "host/cli/output/table.hpp"
 #include "host/compute/programs/kernel_sources.hpp"
+#include "host/verify/apart/run_apart.hpp"
 #include "host/verify/reports.hpp"
 
 namespace claray::cli {
@@ -18,7 +19,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* format = "claray attestation";
-constexpr int version = 1;  // of the format; a reader refuses later ones
+constexpr const char* known_fault = "known fault of this driver";  // a fact of probes
+constexpr int version = 1;                                         // of the format; a reader refuses later ones
 
 constexpr const char* extensions_that_matter[] = {
     "cl_khr_fp64",      "cl_khr_fp16",       "cl_khr_int64_base_atomics", "cl_khr_int64_extended_atomics",
@@ -69,20 +71,22 @@ const Json& list(const std::filesystem::path& file, const Json& object, const ch
     return *found;
 }
 
-/// The first figure above its limit, and the first failure.
+/// The first figure above its limit, unless the case did not end, and the first failure.
 std::string reason_of(const std::filesystem::path& file, const Json& one) {
     std::string reason;
     for (const Json& check : list(file, one, "checks")) {
         if (member<bool>(file, check, "holds") || !reason.empty()) continue;
+        const auto what = member<std::string>(file, check, "what");
+        if (what == verify::unended_figure) continue;
         const auto worst = check.find("worst");
-        reason = member<std::string>(file, check, "what") + ": " +
+        reason = what + ": " +
                  (worst != check.end() && worst->is_number() ? number(worst->get<double>()) : "not a number") + " > " +
                  number(member<double>(file, check, "bar")) + " " + member<std::string>(file, check, "unit");
     }
     const Json& failures = list(file, one, "failures");
     if (failures.empty()) return reason;
     if (!failures[0].is_string()) refuse(file, "it has no valid 'failures'");
-    return failures[0].get<std::string>() + " (" + reason + ")";
+    return (reason.empty() ? "" : reason + "; ") + failures[0].get<std::string>();
 }
 
 FirstPicture picture_from(const std::filesystem::path& file, const Json& json) {
@@ -167,6 +171,12 @@ const AttestedCase* case_of(const Attestation& a, const std::string& name) {
     return found == a.cases.end() ? nullptr : &*found;
 }
 
+const char* word_of(const AttestedCase* c) {
+    if (c == nullptr) return "not run";
+    if (c->known) return "known fault";
+    return c->holds ? "holds" : "**fails**";
+}
+
 std::string cases_table(const std::vector<Attestation>& all) {
     std::vector<std::string> head = {"case"};
     for (const Attestation& a : all) head.push_back(cell(a.name));
@@ -175,7 +185,7 @@ std::string cases_table(const std::vector<Attestation>& all) {
         std::vector<std::string> cells = {"`" + cell(name) + "`"};
         for (const Attestation& a : all) {
             const AttestedCase* const c = case_of(a, name);
-            cells.push_back(c == nullptr ? "not run" : c->holds ? "holds" : "**fails**");
+            cells.push_back(word_of(c));
         }
         text += row(cells);
     }
@@ -183,10 +193,10 @@ std::string cases_table(const std::vector<Attestation>& all) {
 }
 
 std::string failures_table(const std::vector<Attestation>& all) {
-    std::string text = table_head({"name", "case", "why it fails"});
+    std::string text = table_head({"name", "case", "what is wrong"});
     for (const Attestation& a : all)
         for (const AttestedCase& c : a.cases)
-            if (!c.holds) text += row({cell(a.name), "`" + cell(c.name) + "`", cell(c.reason)});
+            if (!c.reason.empty()) text += row({cell(a.name), "`" + cell(c.name) + "`", cell(c.reason)});
     for (const Attestation& a : all)
         for (const FirstPicture& picture : a.first_pictures)
             if (!picture.failure.empty())
@@ -260,7 +270,12 @@ Attestation read_attestation(const std::filesystem::path& file) {
         a.first_pictures.push_back(picture_from(file, picture));
     for (const Json& one : list(file, json, "cases")) {
         AttestedCase c = {member<std::string>(file, one, "case"), member<bool>(file, one, "holds")};
-        if (!c.holds) c.reason = reason_of(file, one);
+        const auto facts = one.find("facts");
+        c.known = c.holds && facts != one.end() && facts->is_object() && facts->contains(known_fault);
+        if (c.known)
+            c.reason = member<std::string>(file, *facts, known_fault);
+        else if (!c.holds)
+            c.reason = reason_of(file, one);
         a.cases.push_back(std::move(c));
     }
     return a;
@@ -269,21 +284,23 @@ Attestation read_attestation(const std::filesystem::path& file) {
 std::string attestation_page(std::vector<Attestation> all) {
     std::ranges::sort(all, {}, &Attestation::name);
     const auto fails = [](const Attestation& a) {
-        return std::ranges::any_of(a.cases, [](const AttestedCase& c) { return !c.holds; }) ||
+        return std::ranges::any_of(a.cases, [](const AttestedCase& c) { return !c.reason.empty(); }) ||
                std::ranges::any_of(a.first_pictures, [](const FirstPicture& p) { return !p.failure.empty(); });
     };
     std::string text =
         "# Drivers\n\n"
         "`claray attest --page docs/drivers/*.json` makes this page from the results of `claray verify` on each "
         "driver.\n"
-        "[Faults of drivers](faults.md) tells what fails, how claray works round it, and how to repeat a row.\n\n";
+        "[Faults of drivers](faults.md) tells what claray does about them, and how to repeat them.\n"
+        "[Setting up drivers](setup.md) has the commands for each file. `not run`: the case is newer than the file, or "
+        "too slow.\n\n";
     text += devices_table(all);
     text +=
-        "\nA first picture is the time from the start of a render to the first sample of every pixel, with nothing "
-        "compiled.\n"
+        "\nThe first picture is the time from the start of a render to the first sample of every pixel.\n"
+        "Nothing was compiled before, and other programs may have run on the machine.\n"
         "\n## Cases\n\n" +
         cases_table(all);
-    if (std::ranges::any_of(all, fails)) text += "\n## Failures\n\n" + failures_table(all);
+    if (std::ranges::any_of(all, fails)) text += "\n## What is wrong\n\n" + failures_table(all);
     return text;
 }
 

@@ -22,7 +22,8 @@ struct FirstPicture {
 struct AttestedCase {
     std::string name;
     bool holds = false;
-    std::string reason = {};  ///< why it fails
+    std::string reason = {};  ///< why it fails; or the known fault that claray avoids
+    bool known = false;       ///< it holds, since claray avoids what is wrong
 };
 
 struct Attestation {

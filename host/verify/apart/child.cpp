@@ -41,6 +41,7 @@ void write_message(int pipe, const std::string& message) {
 #ifdef __linux__
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
 #endif
+    ::setpgid(0, 0);
     if (::getppid() != parent) ::_exit(1);  // it died before
     std::mutex mutex;
     work([&](const std::string& message) {
@@ -80,17 +81,26 @@ Child::Child(const std::function<void(const Send&)>& work) {
     }
     ::close(ends[1]);
     pipe_ = ends[0];
-    if (id_ > 0) return;
+    if (id_ > 0) {
+        ::setpgid(id_, id_);  // the child may not have done so yet
+        return;
+    }
     ::close(pipe_);
     refuse("fork");
 }
 
 Child::~Child() {
     ::close(pipe_);
-    if (id_ == 0) return;
-    ::kill(id_, SIGKILL);
-    while (::waitpid(id_, nullptr, 0) < 0 && errno == EINTR) {
+    if (id_ != 0) (void)end();
+}
+
+int Child::end() {
+    ::kill(-id_, SIGKILL);
+    int status = 0;
+    while (::waitpid(id_, &status, 0) < 0 && errno == EINTR) {
     }
+    id_ = 0;
+    return status;
 }
 
 bool Child::has_message(std::string& message) {
@@ -124,11 +134,12 @@ std::string Child::ended(Clock::time_point until) {
     std::string message;
     Heard heard = Heard::message;
     while (heard == Heard::message) heard = hear(message, until);
-    if (heard == Heard::nothing) ::kill(id_, SIGKILL);
-    int status = 0;
-    while (::waitpid(id_, &status, 0) < 0 && errno == EINTR) {
+    if (heard == Heard::end) {  // it has closed all files, but its status may come later
+        siginfo_t information;
+        while (::waitid(P_PID, id_t(id_), &information, WEXITED | WNOWAIT) < 0 && errno == EINTR) {
+        }
     }
-    id_ = 0;
+    const int status = end();
     if (WIFSIGNALED(status)) return "by " + signal_text(WTERMSIG(status));
     return WEXITSTATUS(status) == 0 ? "" : printed("with exit code %d", WEXITSTATUS(status));
 }

@@ -10,7 +10,7 @@
 namespace claray::verify {
 
 /// A child process that runs a function, and what it sends. Made by fork(): if OpenCL was used before, the function
-/// must not use it.
+/// must not use it. Processes that it starts end with it.
 class Child {
 public:
     using Clock = std::chrono::steady_clock;
@@ -32,6 +32,8 @@ public:
 
 private:
     [[nodiscard]] bool has_message(std::string& message);
+    /// Kills the process and those that it started. Returns its status.
+    int end();
 
     int pipe_ = -1;
     pid_t id_ = 0;

@@ -180,7 +180,7 @@ VerifyResult unended(const std::string& name, const VerifyOptions& options, cons
                      const std::string& why, double seconds) {
     VerifyResult result;
     result.name = name, result.seed = options.seed, result.seconds = seconds;
-    result.checks = {{"runs that do not come to their end", 1, 1, 0, "runs"}};
+    result.checks = {{unended_figure, 1, 1, 0, "runs"}};
     result.failures = {why};
     result.command = command_of(name, options, device);
     return result;

@@ -54,7 +54,8 @@ void run_verify_cases_apart(const std::function<Device()>& open, std::span<const
 /// The command line that repeats a case.
 [[nodiscard]] std::string command_of(const std::string& name, const VerifyOptions& options, const DeviceInfo& device);
 
-/// A case that did not come to its end.
+/// The figure of a case that did not come to its end.
+inline constexpr const char* unended_figure = "runs that do not come to their end";
 [[nodiscard]] VerifyResult unended(const std::string& name, const VerifyOptions& options, const DeviceInfo& device,
                                    const std::string& why, double seconds);
 
