@@ -41,23 +41,34 @@ constexpr std::uint64_t set_of_scenes = 16;
 /// Each scene has other materials, and would have GPUs compile kernels for them.
 const Form shared_kernels = {"", {{"render/shade_surface", "SPLIT_FROM", 0}}};
 
-/// Sixteen scenes with all effects, or with those of `allowed`.
-void compare_set(const Run& run, Committed& images, const std::string& name, std::uint64_t first, EffectSet allowed) {
-    Image all;
-    for (std::uint64_t seed = first; seed < first + set_of_scenes; ++seed)
-        append(all, drawn_image(run, seed, allowed, full_effects()));
-    images.compare("drawn scenes with " + name + " from " + std::to_string(first), all);
+struct Family {
+    const char* name;
+    EffectSet effects;
+    std::uint64_t scenes;
+};
+/// The approximations know nothing of other effects.
+const Family few_effects = {"few effects",
+                            {Effect::smooth_normals, Effect::lambert, Effect::blinn_phong, Effect::textures,
+                             Effect::emissive_triangles, Effect::point_lights, Effect::spot_lights,
+                             Effect::directional_lights, Effect::light_falloff, Effect::sky, Effect::linear_ranges},
+                            48};
+
+/// GPUs' compilers take minutes for kernels with all effects.
+std::vector<Family> families(const Run& run) {
+    if (!run.full() && run.device().info().type != DeviceType::cpu) return {few_effects};
+    return {few_effects, {"all effects", full_effects(), 160}, {"instances and primitives", known_effects(), 48}};
 }
 
 void drawn_images(Run& run) {
     const ScopedForm set(run.device(), shared_kernels);
     Committed images(run);
-    for (std::uint64_t first = 0; first < 160; first += set_of_scenes)
-        compare_set(run, images, "all effects", first, full_effects());
-    // GPUs' compilers take minutes for one more set of kernels with all effects.
-    const bool all = run.full() || run.device().info().type == DeviceType::cpu;
-    for (std::uint64_t first = 0; all && first < 48; first += set_of_scenes)
-        compare_set(run, images, "instances and primitives", first, known_effects());
+    for (const Family& family : families(run))
+        for (std::uint64_t first = 0; first < family.scenes; first += set_of_scenes) {
+            Image all;
+            for (std::uint64_t seed = first; seed < first + set_of_scenes; ++seed)
+                append(all, drawn_image(run, seed, family.effects, family.effects & full_effects()));
+            images.compare(std::string("drawn scenes with ") + family.name + " from " + std::to_string(first), all);
+        }
     images.check("sets of sixteen images");
 }
 
@@ -89,37 +100,33 @@ void add_pixels(std::vector<GBufferPixel>& all, const GBuffer& buffer) {
 }
 
 /// All but the image that a render gives.
-void compare_other_results(Run& run, Committed& results) {
+void compare_other_results(Run& run, const Family& family, Committed& results) {
+    const EffectSet effects = family.effects & full_effects();
     Image filtered;
     std::vector<float> surfaces, noise;
     std::vector<GBufferPixel> packed;
     for (std::uint64_t seed = 0; seed < 2 * set_of_scenes; ++seed) {
         RenderConfig config = drawn_config(seed);
-        config.effects.add = full_effects(), config.width = 40, config.height = 30;
-        Renderer renderer(run.device(), drawn_scene(seed, full_effects()), config);
+        config.effects.add = effects, config.width = 40, config.height = 30;
+        const Scene scene = drawn_scene(seed, effects);
+        Renderer renderer(run.device(), scene, config);
         renderer.render();
         append(filtered, renderer.denoised(DenoiserKind::claray));
         for (const float number : numbers_of(renderer.aovs())) surfaces.push_back(number);
         for (const float number : renderer.noise_map()) noise.push_back(number);
-        if (!traits_of(drawn_scene(seed, full_effects()).camera->projection)->flat) continue;
+        if (!traits_of(scene.camera->projection)->flat) continue;
         for (const NormalPacking packing : {NormalPacking::octahedral, NormalPacking::spherical})
             add_pixels(packed, renderer.gbuffer(packing));
     }
-    results.compare(of_kind(run, "drawn scenes, denoised"), filtered);
-    results.compare("surfaces of drawn scenes", surfaces);
-    results.compare("noise of drawn scenes", noise);
-    results.compare("packed surfaces of drawn scenes", packed);
-}
-
-/// Few effects, whose kernels compile fast: the approximations know nothing of the others.
-EffectSet approximated_effects() {
-    return {Effect::smooth_normals,     Effect::lambert,      Effect::blinn_phong,  Effect::textures,
-            Effect::emissive_triangles, Effect::point_lights, Effect::spot_lights,  Effect::directional_lights,
-            Effect::light_falloff,      Effect::sky,          Effect::linear_ranges};
+    const std::string of = std::string("drawn scenes with ") + family.name;
+    results.compare(of_kind(run, of + ", denoised"), filtered);
+    results.compare("surfaces of " + of, surfaces);
+    results.compare("noise of " + of, noise);
+    results.compare("packed surfaces of " + of, packed);
 }
 
 void compare_approximations(Run& run, Committed& results) {
-    const EffectSet effects = approximated_effects();
+    const EffectSet effects = few_effects.effects;
     for (const Approximations& approximate : {Approximations{.tile_sum = true}, Approximations{.light_grid = true},
                                               Approximations{.gouraud = true}, Approximations{.flat = true}}) {
         Image all;
@@ -138,7 +145,8 @@ void compare_approximations(Run& run, Committed& results) {
 void drawn_results(Run& run) {
     const ScopedForm set(run.device(), shared_kernels);
     Committed results(run);
-    compare_other_results(run, results);
+    for (const Family& family : families(run))
+        if (full_effects().contains(family.effects)) compare_other_results(run, family, results);
     compare_approximations(run, results);
     results.check("sets of results");
 }
