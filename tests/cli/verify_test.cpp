@@ -5,6 +5,7 @@
 #include <set>
 
 #include "claray/verify.hpp"
+#include "host/verify/probes/probes.hpp"
 #include "tests/cli/claray.hpp"
 
 namespace claray::test {
@@ -97,6 +98,35 @@ TEST(VerifyCommand, RefusesWhatItDoesNotKnow) {
     EXPECT_TRUE(failed_with(run_claray({"verify", "--quick", "--full"}), 2, "--quick"));
     EXPECT_TRUE(
         failed_with(run_claray({"verify", "--case", "srgb", "--json", "/no/such/folder/x.json"}), 1, "/no/such"));
+}
+
+TEST(VerifyCommand, ReductionWritesTheProbesThatAreNamed) {
+    const TemporaryFolder folder;
+    const std::filesystem::path to = folder / "new/faults";
+    const ProcessResult result =
+        run_claray({"verify", "--reduce", to.string(), "--case", "fills", "--case", "long-loops"});
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    for (const std::string name : {"fills", "long-loops"}) {
+        EXPECT_EQ(read_file(to / (name + ".cl")), verify::probe_texts(name).kernel);
+        EXPECT_EQ(read_file(to / (name + ".c")), verify::probe_texts(name).program);
+        EXPECT_NE(result.output.find("cc " + name + ".c -lOpenCL -o " + name), std::string::npos) << result.output;
+    }
+}
+
+TEST(VerifyCommand, ReductionSaysInOneLineThatNothingFails) {
+    const TemporaryFolder folder;
+    const ProcessResult result = run_claray({"verify", "--reduce", folder.path().string(), "--case", "srgb"});
+    EXPECT_EQ(result.exit_code, 0) << result.errors;
+    EXPECT_EQ(result.output, "none of these cases fails: there is nothing to reduce\n");
+    EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(VerifyCommand, ReductionRefusesWhatItCannotWrite) {
+    const TemporaryFolder folder;
+    std::ofstream(folder / "file") << "no folder";
+    EXPECT_TRUE(
+        failed_with(run_claray({"verify", "--reduce", (folder / "file").string(), "--case", "fills"}), 1, "file"));
+    EXPECT_TRUE(failed_with(run_claray({"verify", "--reduce", "x", "--json", "y"}), 2, "--reduce writes programs"));
 }
 
 }  // namespace
