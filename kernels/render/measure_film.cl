@@ -41,7 +41,6 @@ static inline void add_error(ErrorSums* total, ColorSum all, ColorSum odd, Halve
     ++total->pixels;
 }
 
-#if GROUP_SIZE > 1
 static inline void add_sums(local FilmSums* to, local const FilmSums* from) {
     to->noise.variance += from->noise.variance;
     to->noise.luminance += from->noise.luminance;
@@ -52,12 +51,12 @@ static inline void add_sums(local FilmSums* to, local const FilmSums* from) {
     to->error.value += from->error.value;
     to->error.pixels += from->error.pixels;
 }
-#endif
 
 /// Work-item w sums pixels w, w + items, ...; each work-group sums its items in local memory and writes one element of `sums`. The
 /// error is computed if `odd` holds the colours of the samples of odd index. `scale` keeps fourth powers within float32.
-kernel void measure_film(global const FilmPixel* film, global const ColorSum* odd, uint has_odd, uint pixels, float scale, uint items,
-                         global FilmSums* sums) {
+kernel __attribute__((reqd_work_group_size(CLARAY_SUM_GROUP, 1, 1)))
+void measure_film(global const FilmPixel* film, global const ColorSum* odd, uint has_odd, uint pixels, float scale, uint items,
+                  global FilmSums* sums) {
     const uint item = get_global_id(0);
     FilmSums total = {{0.0f, 0.0f, 0u, 0u}, {0.0f, 0.0f, 0.0f, 0u}};
     for (uint i = item; item < items && i < pixels; i += items) {
@@ -69,20 +68,14 @@ kernel void measure_film(global const FilmPixel* film, global const ColorSum* od
         add_noise(&total.noise, p, halves, scale);
         if (has_odd) add_error(&total.error, p.all, its_odd, halves, scale);
     }
-#if GROUP_SIZE > 1
-    local FilmSums group[GROUP_SIZE];
+    local FilmSums group[CLARAY_SUM_GROUP];
     const uint own = get_local_id(0);
     group[own] = total;
-    for (uint left = GROUP_SIZE; left > 1;) {
-        const uint upper = left / 2;  // number of items whose sums are added to lower items
-        left -= upper;
+    for (uint left = CLARAY_SUM_GROUP / 2; left > 0; left /= 2) {
         barrier(CLK_LOCAL_MEM_FENCE);
-        if (own < upper) add_sums(&group[own], &group[own + left]);
+        if (own < left) add_sums(&group[own], &group[own + left]);
     }
     if (own == 0) sums[get_group_id(0)] = group[0];
-#else
-    if (item < items) sums[item] = total;
-#endif
 }
 
 static inline float variance_of(FilmPixel p, float scale) {

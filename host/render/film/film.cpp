@@ -6,15 +6,6 @@
 #include "host/compute/read_back.hpp"
 
 namespace claray {
-namespace {
-
-/// Work-items that sum pixels: enough to keep the device busy.
-std::uint32_t items_for(const Device& device, std::uint32_t pixels) {
-    return std::clamp(device.tuning("render/measure_film", "ITEMS"), 1u, pixels);
-}
-
-}  // namespace
-
 KernelsOf<Film::Kernels> Film::Kernels::requests() {
     return {{&Kernels::accumulate, {"render/accumulate_film.cl", "accumulate_film", {}}},
             {&Kernels::resolve, {"render/resolve_film.cl", "resolve_film", {}}},
@@ -26,11 +17,10 @@ Film::Film(const Device& device, std::uint32_t pixels, bool tells_error, float s
       count_(pixels),
       tells_error_(tells_error),
       sample_clamp_(sample_clamp),
-      group_(std::max(1u, device.tuning("render/measure_film", "GROUP_SIZE"))),
-      items_(items_for(device, pixels)),
+      items_(std::min(CLARAY_SUM_ITEMS, pixels)),
       pixels_(device, pixels),
       odd_(device, tells_error ? pixels : 1),
-      sums_(device, (items_ + group_ - 1) / group_),
+      sums_(device, (items_ + CLARAY_SUM_GROUP - 1) / CLARAY_SUM_GROUP),
       dropped_(device, 1),
       kernels_(device) {
     clear();
@@ -141,7 +131,7 @@ void Film::look() const {
 
 void Film::measure() const {
     begin_all();
-    kernels_.measure.run({items_, group_ > 1 ? group_ : 64u}, pixels_, odd_, tells_error_ ? 1u : 0u, count_, scale_,
+    kernels_.measure.run({items_, CLARAY_SUM_GROUP}, pixels_, odd_, tells_error_ ? 1u : 0u, count_, scale_,
                          items_, sums_);
 }
 

@@ -125,7 +125,7 @@ private:
     std::uint32_t count_;
     bool tells_error_;
     float sample_clamp_;
-    std::uint32_t group_, items_;
+    std::uint32_t items_;  // that sum up pixels
     Buffer<FilmPixel> pixels_;
     Buffer<ColorSum> odd_;
     Buffer<FilmSums> sums_;

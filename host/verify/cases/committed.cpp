@@ -264,15 +264,19 @@ std::string committed_hash(const std::string& name) {
         {"cornell, guided by every second pixel", "4272bab30fdd9df38148cb8f38874db9"},
         {"drawn scenes with few effects, denoised", "8490ed4a47b9d5a6f75470cb53c0356a"},
         {"surfaces of drawn scenes with few effects", "51c3b83321de1215023741679ff3c181"},
-        {"noise of drawn scenes with few effects", "4411c0a6edd2e50bcd65a432b2823b0e"},
+        {"noise of drawn scenes with few effects", "8aed5f57e1adc01ab9ed1f9cd9fc68ee"},
         {"packed surfaces of drawn scenes with few effects", "6a770c5b994ad382c85c58d1cf71cf47"},
         {"drawn scenes with all effects, denoised", "f0fc3f8135b1746dadc61da1268f9c94"},
         {"surfaces of drawn scenes with all effects", "77a8e2d0c3cee5fc9e7f76136ed27dd8"},
-        {"noise of drawn scenes with all effects", "343bf04903d1e3a6dd90d4a7499cee6f"},
+        {"noise of drawn scenes with all effects", "9de8a34ea737a82e18fd118d469cdd4b"},
         {"packed surfaces of drawn scenes with all effects", "8d7d62b424996a9ed7dcca2a77501c3d"},
         {"drawn scenes with few effects from 0", "6b86a8ff247ebf0fb7797c93c36858ec"},
         {"drawn scenes with few effects from 16", "920f7c53d8fff588ab3ad6c8ec79a9e8"},
         {"drawn scenes with few effects from 32", "2ce757888f2b36de5c1255d3766558b6"},
+        {"drawn scenes with few effects, denoised, as GPUs do it", "5f16b6f765ee5c4aab6013bc870b008a"},
+        {"drawn scenes by tile-sum, as GPUs do it", "eb46cc61a333e60796c31d3e35940470"},
+        {"drawn scenes by light-grid, as GPUs do it", "8d63457b7fb4249292e1f83b04cef253"},
+        {"drawn scenes by gouraud, as GPUs do it", "c9d85b93238b8f3ca779af08c9efa00b"},
     };
     const auto found = hashes.find(name);
     return found == hashes.end() ? std::string() : found->second;

@@ -32,12 +32,11 @@ public:
     void compare(const std::string& name, const Values& values) {
         compare_hash(name, hash_of(values));
     }
+    void compare_hash(const std::string& name, const std::string& hash);
     /// Records how many were compared.
     void check(const std::string& what) const { run_.check(what + " that are not the committed ones", tally_, ""); }
 
 private:
-    void compare_hash(const std::string& name, const std::string& hash);
-
     Run& run_;
     Tally tally_;
 };

@@ -208,6 +208,11 @@ typedef struct ErrorSums {
 } ErrorSums;
 CLARAY_LAYOUT(ErrorSums, 16)
 
+// Items and their groups that sum up a film. Sums are rounded in the order of these on all devices, since adaptive
+// sampling and stops at an error depend on them.
+#define CLARAY_SUM_ITEMS 65536u
+#define CLARAY_SUM_GROUP 256u
+
 /// Results of one pass over the film.
 typedef struct FilmSums {
     NoiseSums noise;

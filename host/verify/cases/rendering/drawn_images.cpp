@@ -1,6 +1,7 @@
 // Images of scenes that are drawn at random. No value is known in closed form, but all devices and later versions must
 // find the same light: a fault in a part that no other case calls for changes one of many scenes.
 #include <algorithm>
+#include <functional>
 
 #include "claray/effects.hpp"
 #include "host/verify/cases/cases.hpp"
@@ -38,8 +39,9 @@ Image drawn_image(const Run& run, std::uint64_t seed, EffectSet allowed, EffectS
 void append(Image& all, const Image& image) { all.insert(all.end(), image.begin(), image.end()); }
 
 constexpr std::uint64_t set_of_scenes = 16;
-/// Each scene has other materials, and would have GPUs compile kernels for them.
-const Form shared_kernels = {"", {{"render/shade_surface", "SPLIT_FROM", 0}}};
+/// Each scene has other materials, and would have GPUs compile kernels for them. GPUs also begin rounds of adaptive
+/// sampling later.
+const Form drawing = {"", {{"render/shade_surface", "SPLIT_FROM", 0}, {"render/adaptive", "LEAST_GAIN_PERCENT", 130}}};
 
 struct Family {
     const char* name;
@@ -60,7 +62,7 @@ std::vector<Family> families(const Run& run) {
 }
 
 void drawn_images(Run& run) {
-    const ScopedForm set(run.device(), shared_kernels);
+    const ScopedForm set(run.device(), drawing);
     Committed images(run);
     for (const Family& family : families(run))
         for (std::uint64_t first = 0; first < family.scenes; first += set_of_scenes) {
@@ -99,8 +101,11 @@ void add_pixels(std::vector<GBufferPixel>& all, const GBuffer& buffer) {
     all.insert(all.end(), buffer.pixels.begin(), buffer.pixels.end());
 }
 
+/// Results with their names.
+using Hashes = std::vector<std::pair<std::string, std::string>>;
+
 /// All but the image that a render gives.
-void compare_other_results(Run& run, const Family& family, Committed& results) {
+Hashes other_results(const Run& run, const Device& on, const Family& family) {
     const EffectSet effects = family.effects & full_effects();
     Image filtered;
     std::vector<float> surfaces, noise;
@@ -109,7 +114,7 @@ void compare_other_results(Run& run, const Family& family, Committed& results) {
         RenderConfig config = drawn_config(seed);
         config.effects.add = effects, config.width = 40, config.height = 30;
         const Scene scene = drawn_scene(seed, effects);
-        Renderer renderer(run.device(), scene, config);
+        Renderer renderer(on, scene, config);
         renderer.render();
         append(filtered, renderer.denoised(DenoiserKind::claray));
         for (const float number : numbers_of(renderer.aovs())) surfaces.push_back(number);
@@ -119,35 +124,45 @@ void compare_other_results(Run& run, const Family& family, Committed& results) {
             add_pixels(packed, renderer.gbuffer(packing));
     }
     const std::string of = std::string("drawn scenes with ") + family.name;
-    results.compare(of_kind(run, of + ", denoised"), filtered);
-    results.compare("surfaces of " + of, surfaces);
-    results.compare("noise of " + of, noise);
-    results.compare("packed surfaces of " + of, packed);
+    return {{of_kind(run, of + ", denoised"), hash_of(filtered)},
+            {"surfaces of " + of, hash_of(surfaces)},
+            {"noise of " + of, hash_of(noise)},
+            {"packed surfaces of " + of, hash_of(packed)}};
 }
 
-void compare_approximations(Run& run, Committed& results) {
+Hashes approximate_results(const Run& run, const Device& on, const Approximations& approximate) {
     const EffectSet effects = few_effects.effects;
-    for (const Approximations& approximate : {Approximations{.tile_sum = true}, Approximations{.light_grid = true},
-                                              Approximations{.gouraud = true}, Approximations{.flat = true}}) {
-        Image all;
-        for (std::uint64_t seed = 0; seed < (approximate.tile_sum ? 4 : 1) * set_of_scenes; ++seed) {
-            RenderConfig config = drawn_config(seed);
-            config.effects.add = effects, config.adaptive = false, config.approximate = approximate;
-            config.light_grid = {.side = 4, .rays = 16, .updates = 2};
-            if (approximate.tile_sum) config.width = 80, config.height = 48, config.spp = 1;
-            append(all, render(run, drawn_scene(seed, effects), config));
-        }
-        const std::string name = "drawn scenes by " + to_string(approximate);
-        results.compare(approximate.flat ? name : of_kind(run, name), all);
+    Image all;
+    for (std::uint64_t seed = 0; seed < (approximate.tile_sum ? 4 : 1) * set_of_scenes; ++seed) {
+        RenderConfig config = drawn_config(seed);
+        config.effects.add = effects, config.adaptive = false, config.approximate = approximate;
+        config.light_grid = {.side = 4, .rays = 16, .updates = 2};
+        if (approximate.tile_sum) config.width = 80, config.height = 48, config.spp = 1;
+        Renderer renderer(on, drawn_scene(seed, effects), config);
+        renderer.render();
+        append(all, renderer.image());
     }
+    const std::string name = "drawn scenes by " + to_string(approximate);
+    return {{approximate.flat ? name : of_kind(run, name), hash_of(all)}};
 }
 
 void drawn_results(Run& run) {
-    const ScopedForm set(run.device(), shared_kernels);
-    Committed results(run);
+    using Piece = std::function<Hashes(const Device&)>;
+    std::vector<Piece> pieces;
     for (const Family& family : families(run))
-        if (full_effects().contains(family.effects)) compare_other_results(run, family, results);
-    compare_approximations(run, results);
+        if (full_effects().contains(family.effects))
+            pieces.push_back([&run, family](const Device& on) { return other_results(run, on, family); });
+    for (const Approximations& approximate : {Approximations{.tile_sum = true}, Approximations{.light_grid = true},
+                                              Approximations{.gouraud = true}, Approximations{.flat = true}})
+        pieces.push_back([&run, approximate](const Device& on) { return approximate_results(run, on, approximate); });
+    std::vector<Hashes> found(pieces.size());
+    run.side_by_side(pieces.size(), [&](const Device& on, std::size_t i) {
+        const ScopedForm set(on, drawing);
+        found[i] = pieces[i](on);
+    });
+    Committed results(run);
+    for (const Hashes& hashes : found)
+        for (const auto& [name, hash] : hashes) results.compare_hash(name, hash);
     results.check("sets of results");
 }
 
