@@ -5,7 +5,10 @@
 namespace claray {
 
 const Buffer<Guide>& DenoisingStage::guides_of(const Noisy& noisy) {
-    if (!guides_) guides_.emplace(noisy.film.device(), noisy.scene, sampler_), effects_ = noisy.scene.effects;
+    if (!guides_) {
+        effects_ = noisy.scene.effects;
+        guides_.emplace(noisy.film.device(), noisy.scene, effects_ | added_, sampler_);
+    }
     return guides_->trace(noisy.frame, noisy.film, noisy.spp);
 }
 

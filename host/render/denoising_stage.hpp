@@ -10,7 +10,7 @@ namespace claray {
 
 class DenoisingStage {
 public:
-    explicit DenoisingStage(const RenderConfig& config) : sampler_(config.sampler) {}
+    explicit DenoisingStage(const RenderConfig& config) : sampler_(config.sampler), added_(config.effects.add) {}
 
     struct Noisy {
         const SceneBuffers& scene;
@@ -36,6 +36,7 @@ public:
 
 private:
     Sampler sampler_;
+    EffectSet added_;    // effects that kernels support in addition
     EffectSet effects_;  // for which the guides' kernels were compiled
     std::optional<Guides> guides_;
     std::optional<Denoiser> stills_;

@@ -19,9 +19,9 @@ constexpr std::uint32_t most_at_edges = 4096;
 double edge_rays_per_pixel(std::uint32_t spp) { return 1 + spp / 8.0; }
 constexpr const char* file = "render/write_guides.cl";
 
-Defines defines_for(const SceneBuffers& scene, Sampler sampler) {
-    Defines defines = defines_of(scene.effects, Stage::generate);
-    for (const auto& more : {defines_of(scene.effects, Stage::shade), scene.structure.defines()})
+Defines defines_for(const SceneBuffers& scene, EffectSet effects, Sampler sampler) {
+    Defines defines = defines_of(effects, Stage::generate);
+    for (const auto& more : {defines_of(effects, Stage::shade), scene.structure.defines()})
         for (const auto& define : more)
             if (std::find(defines.begin(), defines.end(), define) == defines.end()) defines.push_back(define);
     defines.emplace_back("SAMPLER", std::to_string(std::uint32_t(sampler)));
@@ -69,7 +69,7 @@ std::uint32_t choose_capacity(const Device& device) {
 
 }  // namespace
 
-Guides::Guides(const Device& device, const SceneBuffers& scene, Sampler sampler)
+Guides::Guides(const Device& device, const SceneBuffers& scene, EffectSet effects, Sampler sampler)
     : device_(device),
       scene_(scene),
       capacity_(choose_capacity(device)),
@@ -79,7 +79,7 @@ Guides::Guides(const Device& device, const SceneBuffers& scene, Sampler sampler)
       counts_(device, CLARAY_EDGE_CLASSES),
       ends_(device, CLARAY_EDGE_CLASSES) {
     for (Buffer<std::uint32_t>& ray_count : ray_counts_) ray_count = Buffer<std::uint32_t>(device, 1);
-    const Defines defines = defines_for(scene, sampler);
+    const Defines defines = defines_for(scene, effects, sampler);
     start_ = load_kernel(device, file, "guide_rays", defines);
     see_ = load_kernel(device, file, "see_surfaces", defines);
     write_ = load_kernel(device, file, "write_guides", defines);

@@ -11,7 +11,8 @@ namespace claray {
 
 class Guides {
 public:
-    Guides(const Device& device, const SceneBuffers& scene, Sampler sampler);
+    /// `effects`: those that the kernels have code for.
+    Guides(const Device& device, const SceneBuffers& scene, EffectSet effects, Sampler sampler);
 
     /// One guide per pixel of the frame, for a film of `spp` samples per pixel. Blocks.
     [[nodiscard]] const Buffer<Guide>& trace(const FrameData& frame, const Buffer<FilmPixel>& film, std::uint32_t spp);

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "claray/effects.hpp"
+#include "host/effects/effects.hpp"
 #include "host/verify/cases/cases.hpp"
 #include "host/verify/cases/committed.hpp"
 #include "host/verify/drawn_scene.hpp"
@@ -32,7 +33,7 @@ using Image = std::vector<glm::vec3>;
 /// By kernels that have code for all of `effects`, so that all scenes share them.
 Image drawn_image(const Run& run, std::uint64_t seed, EffectSet allowed, EffectSet effects) {
     RenderConfig config = drawn_config(seed);
-    config.effects.add = effects;
+    config.effects.add = effects | effects_with(CLARAY_AID);
     return render(run, drawn_scene(seed, allowed), config);
 }
 
@@ -55,10 +56,12 @@ const Family few_effects = {"few effects",
                              Effect::directional_lights, Effect::light_falloff, Effect::sky, Effect::linear_ranges},
                             48};
 
-/// GPUs' compilers take minutes for kernels with all effects.
+/// Compilers take long for kernels with all effects, those of GPUs minutes.
 std::vector<Family> families(const Run& run) {
-    if (!run.full() && run.device().info().type != DeviceType::cpu) return {few_effects};
-    return {few_effects, {"all effects", full_effects(), 160}, {"instances and primitives", known_effects(), 48}};
+    std::vector<Family> all = {few_effects};
+    if (run.full() || run.device().info().type == DeviceType::cpu) all.push_back({"all effects", full_effects(), 160});
+    if (run.full()) all.push_back({"instances and primitives", known_effects(), 48});
+    return all;
 }
 
 void drawn_images(Run& run) {
@@ -105,14 +108,14 @@ void add_pixels(std::vector<GBufferPixel>& all, const GBuffer& buffer) {
 using Hashes = std::vector<std::pair<std::string, std::string>>;
 
 /// All but the image that a render gives.
-Hashes other_results(const Run& run, const Device& on, const Family& family) {
-    const EffectSet effects = family.effects & full_effects();
+Hashes other_results(const Run& run, const Device& on) {
+    const EffectSet effects = few_effects.effects;
     Image filtered;
     std::vector<float> surfaces, noise;
     std::vector<GBufferPixel> packed;
     for (std::uint64_t seed = 0; seed < 2 * set_of_scenes; ++seed) {
         RenderConfig config = drawn_config(seed);
-        config.effects.add = effects, config.width = 40, config.height = 30;
+        config.effects.add = effects | effects_with(CLARAY_AID), config.width = 40, config.height = 30;
         const Scene scene = drawn_scene(seed, effects);
         Renderer renderer(on, scene, config);
         renderer.render();
@@ -123,11 +126,10 @@ Hashes other_results(const Run& run, const Device& on, const Family& family) {
         for (const NormalPacking packing : {NormalPacking::octahedral, NormalPacking::spherical})
             add_pixels(packed, renderer.gbuffer(packing));
     }
-    const std::string of = std::string("drawn scenes with ") + family.name;
-    return {{of_kind(run, of + ", denoised"), hash_of(filtered)},
-            {"surfaces of " + of, hash_of(surfaces)},
-            {"noise of " + of, hash_of(noise)},
-            {"packed surfaces of " + of, hash_of(packed)}};
+    return {{of_kind(run, "drawn scenes, denoised"), hash_of(filtered)},
+            {"surfaces of drawn scenes", hash_of(surfaces)},
+            {"noise of drawn scenes", hash_of(noise)},
+            {"packed surfaces of drawn scenes", hash_of(packed)}};
 }
 
 Hashes approximate_results(const Run& run, const Device& on, const Approximations& approximate) {
@@ -135,25 +137,21 @@ Hashes approximate_results(const Run& run, const Device& on, const Approximation
     Image all;
     for (std::uint64_t seed = 0; seed < (approximate.tile_sum ? 4 : 1) * set_of_scenes; ++seed) {
         RenderConfig config = drawn_config(seed);
-        config.effects.add = effects, config.adaptive = false, config.approximate = approximate;
+        config.effects.add = effects | effects_with(CLARAY_AID), config.adaptive = false,
+        config.approximate = approximate;
         config.light_grid = {.side = 4, .rays = 16, .updates = 2};
         if (approximate.tile_sum) config.width = 80, config.height = 48, config.spp = 1;
         Renderer renderer(on, drawn_scene(seed, effects), config);
         renderer.render();
         append(all, renderer.image());
     }
-    const std::string name = "drawn scenes by " + to_string(approximate);
-    return {{approximate.flat ? name : of_kind(run, name), hash_of(all)}};
+    return {{of_kind(run, "drawn scenes by " + to_string(approximate)), hash_of(all)}};
 }
 
 void drawn_results(Run& run) {
     using Piece = std::function<Hashes(const Device&)>;
-    std::vector<Piece> pieces;
-    for (const Family& family : families(run))
-        if (full_effects().contains(family.effects))
-            pieces.push_back([&run, family](const Device& on) { return other_results(run, on, family); });
-    for (const Approximations& approximate : {Approximations{.tile_sum = true}, Approximations{.light_grid = true},
-                                              Approximations{.gouraud = true}, Approximations{.flat = true}})
+    std::vector<Piece> pieces = {[&](const Device& on) { return other_results(run, on); }};
+    for (const Approximations& approximate : {Approximations{.tile_sum = true}, Approximations{.light_grid = true}})
         pieces.push_back([&run, approximate](const Device& on) { return approximate_results(run, on, approximate); });
     std::vector<Hashes> found(pieces.size());
     run.side_by_side(pieces.size(), [&](const Device& on, std::size_t i) {
