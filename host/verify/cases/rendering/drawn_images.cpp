@@ -7,7 +7,7 @@
 #include "host/effects/effects.hpp"
 #include "host/verify/cases/cases.hpp"
 #include "host/verify/cases/committed.hpp"
-#include "host/verify/drawn_scene.hpp"
+#include "host/verify/cases/rendering/drawn_scene.hpp"
 #include "host/verify/scenes.hpp"
 
 namespace claray::verify {

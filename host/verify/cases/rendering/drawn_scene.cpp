@@ -1,4 +1,4 @@
-#include "host/verify/drawn_scene.hpp"
+#include "host/verify/cases/rendering/drawn_scene.hpp"
 
 #include "host/verify/scenes.hpp"
 
