@@ -120,8 +120,7 @@ struct KnownFault {
 constexpr KnownFault known_faults[] = {
     {"float3-calls", "Intel", "2026.22", "claray's kernels have the hint vec_type_hint(float4)"},
     {"printing", "NVIDIA", "580", "no kernel of claray prints"},
-    {"barrier-counters", "Portable Computing Language", "3.1", "no kernel of claray counts rounds of such a loop"},
-    {"barrier-counters", "Portable Computing Language", "8.0-pre", "no kernel of claray counts rounds of such a loop"},
+    {"barrier-counters", "Portable Computing Language", "", "no kernel of claray counts rounds of such a loop"},
 };
 
 const KnownFault* known_fault(const std::string& probe, const DeviceInfo& device) {
