@@ -16,6 +16,7 @@
 #include "host/cli/output/verify_lines.hpp"
 #include "host/scene/bytes.hpp"
 #include "host/verify/apart/child.hpp"
+#include "host/verify/apart/run_apart.hpp"
 
 namespace claray::cli {
 namespace {
@@ -107,7 +108,7 @@ void attest(const AttestOptions& options) {
             if (!to_output) print_result(result);
         });
     std::vector<FirstPicture> pictures;
-    const double limit = options.run.limit.value_or(600);  // also with --full
+    const double limit = options.run.limit.value_or(verify::quick_limit);  // also with --full
     const std::string selector = std::to_string(verified.device.index);
     for (const char* scene : {"cornell", "spheres"}) pictures.push_back(first_picture(scene, selector, limit));
     const std::string text =

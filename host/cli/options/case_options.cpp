@@ -14,7 +14,7 @@ VerifyOptions CaseOptions::verify_options() const {
 }
 
 void add_case_options(CLI::App& command, CaseOptions& o) {
-    command.add_flag("--quick", o.quick, "Half a minute if the kernels are cached, otherwise minutes (default)");
+    command.add_flag("--quick", o.quick, "Run few trials: minutes, most of them to compile kernels (default)");
     command.add_flag("--full", o.full, "Run the full number of trials: minutes on a GPU, hours on a few CPU cores");
     command.add_option("--case", o.cases, "Run only this case; may be repeated")->allow_extra_args(false);
     command
@@ -36,7 +36,6 @@ void refuse_contradicting_case_options(const CLI::App& command) {
 
 Verified run_cases(const CaseOptions& options, const std::function<void(const DeviceInfo&)>& opened,
                    const std::function<void(const VerifyResult&)>& report) {
-    constexpr double quick_limit = 600;
     std::vector<std::string> names = options.cases;
     if (names.empty())
         for (const VerifyCase& c : verify_cases()) names.push_back(c.name);
@@ -53,7 +52,7 @@ Verified run_cases(const CaseOptions& options, const std::function<void(const De
         verified.results.push_back(result);
     };
     verify::run_verify_cases_apart(open, names, options.verify_options(),
-                                   options.limit.value_or(options.full ? 0 : quick_limit), tell, keep);
+                                   options.limit.value_or(options.full ? 0 : verify::quick_limit), tell, keep);
     verified.seconds = seconds_since(begin);
     return verified;
 }

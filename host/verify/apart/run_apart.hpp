@@ -11,6 +11,9 @@
 
 namespace claray::verify {
 
+/// Seconds after which a case of the quick effort hangs, unless the user sets a limit.
+inline constexpr double quick_limit = 600;
+
 /// What is heard while cases run, by their numbers. One call at a time, from any thread.
 struct CaseEvents {
     std::function<void(std::size_t)> begun;

@@ -84,7 +84,7 @@ Options parse(int argc, char** argv) {
         else
             set_option(o, option, {}), throw Error(ErrorKind::usage, option + " needs a value", "see --help");
     }
-    if (o.limit < 0) o.limit = o.how.effort == Effort::full ? 0 : 600;
+    if (o.limit < 0) o.limit = o.how.effort == Effort::full ? 0 : quick_limit;
     check_verify_cases(o.cases);
     return o;
 }

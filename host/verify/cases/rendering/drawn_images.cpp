@@ -31,10 +31,14 @@ EffectSet effects_in_lanes(unsigned lanes) {
 using Image = std::vector<glm::vec3>;
 
 /// By kernels that have code for all of `effects`, so that all scenes share them.
-Image drawn_image(const Run& run, std::uint64_t seed, EffectSet allowed, EffectSet effects) {
+RenderConfig config_with(EffectSet effects, std::uint64_t seed) {
     RenderConfig config = drawn_config(seed);
     config.effects.add = effects | effects_with(CLARAY_AID);
-    return render(run, drawn_scene(seed, allowed), config);
+    return config;
+}
+
+Image drawn_image(const Run& run, std::uint64_t seed, EffectSet allowed, EffectSet effects) {
+    return render(run, drawn_scene(seed, allowed), config_with(effects, seed));
 }
 
 void append(Image& all, const Image& image) { all.insert(all.end(), image.begin(), image.end()); }
@@ -114,8 +118,8 @@ Hashes other_results(const Run& run, const Device& on) {
     std::vector<float> surfaces, noise;
     std::vector<GBufferPixel> packed;
     for (std::uint64_t seed = 0; seed < 2 * set_of_scenes; ++seed) {
-        RenderConfig config = drawn_config(seed);
-        config.effects.add = effects | effects_with(CLARAY_AID), config.width = 40, config.height = 30;
+        RenderConfig config = config_with(effects, seed);
+        config.width = 40, config.height = 30;
         const Scene scene = drawn_scene(seed, effects);
         Renderer renderer(on, scene, config);
         renderer.render();
@@ -136,9 +140,8 @@ Hashes approximate_results(const Run& run, const Device& on, const Approximation
     const EffectSet effects = few_effects.effects;
     Image all;
     for (std::uint64_t seed = 0; seed < (approximate.tile_sum ? 4 : 1) * set_of_scenes; ++seed) {
-        RenderConfig config = drawn_config(seed);
-        config.effects.add = effects | effects_with(CLARAY_AID), config.adaptive = false,
-        config.approximate = approximate;
+        RenderConfig config = config_with(effects, seed);
+        config.adaptive = false, config.approximate = approximate;
         config.light_grid = {.side = 4, .rays = 16, .updates = 2};
         if (approximate.tile_sum) config.width = 80, config.height = 48, config.spp = 1;
         Renderer renderer(on, drawn_scene(seed, effects), config);
