@@ -234,7 +234,7 @@ std::string committed_hash(const std::string& name) {
         {"drawn scenes with all effects from 16", "7760835534a0304779ae2a023dfaa0c4"},
         {"drawn scenes with all effects from 32", "b64e05c591b55c0fe7a9f1a084dec1c3"},
         {"drawn scenes with all effects from 48", "f36bcd8ab6fee776c7ba1c09b70ea882"},
-        {"drawn scenes with all effects from 64", "67edd6f760d64274e98a8f85db46d6df"},
+        {"drawn scenes with all effects from 64", "7c8417d8e3ebf2f90b3cc3d4cb11762c"},
         {"drawn scenes with all effects from 80", "f23996b17f10e73635a65efb06ed1dee"},
         {"drawn scenes with all effects from 96", "a60689b40f3c11a37f0f430328b7bbd8"},
         {"drawn scenes with all effects from 112", "24ef6fdd9b9d5118cde116eccb05d434"},

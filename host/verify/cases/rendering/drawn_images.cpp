@@ -44,9 +44,8 @@ Image drawn_image(const Run& run, std::uint64_t seed, EffectSet allowed, EffectS
 void append(Image& all, const Image& image) { all.insert(all.end(), image.begin(), image.end()); }
 
 constexpr std::uint64_t set_of_scenes = 16;
-/// Each scene has other materials, and would have GPUs compile kernels for them. GPUs also begin rounds of adaptive
-/// sampling later.
-const Form drawing = {"", {{"render/shade_surface", "SPLIT_FROM", 0}, {"render/adaptive", "LEAST_GAIN_PERCENT", 130}}};
+/// Each scene has other materials, and would have GPUs compile kernels for them.
+const Form drawing = {"", {{"render/shade_surface", "SPLIT_FROM", 0}}};
 
 struct Family {
     const char* name;
