@@ -50,4 +50,20 @@ Camera narrow_camera(const glm::vec3& position, const glm::vec3& target) {
     return camera;
 }
 
+namespace {
+
+Form followed_by_one_kernel(const char* name, unsigned most_bounces, unsigned last) {
+    return {name,
+            {{"render/trace_paths", "MOST_EFFECTS", 64},
+             {"render/trace_paths", "MOST_BOUNCES_PERMILLE", most_bounces},
+             {"render/trace_paths", "MOST_PATHS_PER_UNIT", 1'048'576},
+             {"render/trace_paths", "PATIENCE_MILLISECONDS", 0},
+             {"render/finish_paths", "MOST_PATHS_PER_UNIT", last}}};
+}
+
+}  // namespace
+
+Form whole_paths() { return followed_by_one_kernel("whole paths", 100'000, 0); }
+Form last_paths() { return followed_by_one_kernel("last paths", 0, 65'536); }
+
 }  // namespace claray::verify

@@ -17,4 +17,9 @@ namespace claray::verify {
 /// A camera whose pixels are nearly one ray.
 [[nodiscard]] Camera narrow_camera(const glm::vec3& position, const glm::vec3& target);
 
+/// One kernel follows whole paths, as GPUs render many scenes.
+[[nodiscard]] Form whole_paths();
+/// One kernel follows the last paths of a batch, as on GPUs.
+[[nodiscard]] Form last_paths();
+
 }  // namespace claray::verify

@@ -30,6 +30,8 @@ EffectSet effects_in_lanes(unsigned lanes) {
 
 using Image = std::vector<glm::vec3>;
 
+void append(Image& all, const Image& image) { all.insert(all.end(), image.begin(), image.end()); }
+
 /// By kernels that have code for all of `effects`, so that all scenes share them.
 RenderConfig config_with(EffectSet effects, std::uint64_t seed) {
     RenderConfig config = drawn_config(seed);
@@ -40,8 +42,6 @@ RenderConfig config_with(EffectSet effects, std::uint64_t seed) {
 Image drawn_image(const Run& run, std::uint64_t seed, EffectSet allowed, EffectSet effects) {
     return render(run, drawn_scene(seed, allowed), config_with(effects, seed));
 }
-
-void append(Image& all, const Image& image) { all.insert(all.end(), image.begin(), image.end()); }
 
 constexpr std::uint64_t set_of_scenes = 16;
 /// Each scene has other materials, and would have GPUs compile kernels for them.
@@ -62,22 +62,56 @@ const Family few_effects = {"few effects",
 /// Compilers take long for kernels with all effects, those of GPUs minutes.
 std::vector<Family> families(const Run& run) {
     std::vector<Family> all = {few_effects};
-    if (run.full() || run.device().info().type == DeviceType::cpu) all.push_back({"all effects", full_effects(), 160});
-    if (run.full()) all.push_back({"instances and primitives", known_effects(), 48});
+    if (!run.full() && run.device().info().type != DeviceType::cpu) return all;
+    all.push_back({"all effects", full_effects(), 160});
+    all.push_back({"instances and primitives", known_effects(), 48});
     return all;
+}
+
+/// Compares the images of each set of a family, one after the other. One sampler halves the number of kernels.
+void compare_family(const Run& run, Committed& images, const Family& family, Layout layout = Layout::automatic) {
+    for (std::uint64_t first = 0; first < family.scenes; first += set_of_scenes) {
+        Image all;
+        for (std::uint64_t seed = first; seed < first + set_of_scenes; ++seed) {
+            RenderConfig config = config_with(family.effects - EffectSet{Effect::instances, Effect::primitives}, seed);
+            if (family.effects.has(Effect::instances)) config.sampler = Sampler::sobol;
+            config.bvh.layout = layout;
+            append(all, render(run, drawn_scene(seed, family.effects), config));
+        }
+        images.compare(std::string("drawn scenes with ") + family.name + " from " + std::to_string(first), all);
+    }
 }
 
 void drawn_images(Run& run) {
     const ScopedForm set(run.device(), drawing);
     Committed images(run);
-    for (const Family& family : families(run))
-        for (std::uint64_t first = 0; first < family.scenes; first += set_of_scenes) {
-            Image all;
-            for (std::uint64_t seed = first; seed < first + set_of_scenes; ++seed)
-                append(all, drawn_image(run, seed, family.effects, family.effects & full_effects()));
-            images.compare(std::string("drawn scenes with ") + family.name + " from " + std::to_string(first), all);
+    for (const Family& family : families(run)) compare_family(run, images, family);
+    if (run.device().info().type == DeviceType::cpu)
+        for (const Form& form : {whole_paths(), last_paths()}) {
+            const ScopedForm as_gpus(run.device(), form);
+            compare_family(run, images, few_effects, Layout::binary);
         }
     images.check("sets of sixteen images");
+}
+
+/// Guides learn brightnesses of many orders here.
+void drawn_guides(Run& run) {
+    if (run.device().info().type != DeviceType::cpu) return run.fact("guides", "CPUs alone guide paths");
+    const ScopedTuning always(run.device(), "render/path_guide", "LEAST_GAIN_PERCENT", 1);
+    Image all;
+    std::uint64_t guided = 0;
+    for (std::uint64_t seed = 0; seed < 2 * set_of_scenes; ++seed) {
+        RenderConfig config = config_with(few_effects.effects, seed);
+        config.width = config.height = 128, config.spp = 20, config.adaptive = false;
+        Renderer renderer(run.device(), drawn_scene(seed, few_effects.effects), config);
+        renderer.render();
+        guided += renderer.statistics().guided;
+        append(all, renderer.image());
+    }
+    Committed images(run);
+    images.compare("guided drawn scenes", all);
+    images.check("sets of images");
+    run.check("renders without guides", 2 * set_of_scenes, double(2 * set_of_scenes - guided), set_of_scenes, "");
 }
 
 /// The kernels of all effects work on single rays; they must find what lanes find.
@@ -171,6 +205,8 @@ void drawn_results(Run& run) {
 Cases drawn_cases() {
     return {
         {{"drawn-images", "sameness", "Images of scenes drawn at random have the committed light"}, drawn_images},
+        {{"drawn-guides", "sameness", "Guided paths bring the committed light of scenes drawn at random"},
+         drawn_guides},
         {{"drawn-lanes", "sameness", "Lanes find the light of single rays in scenes drawn at random"}, drawn_lanes},
         {{"drawn-results", "sameness",
           "Surfaces, noise, filtered and approximate images of scenes drawn at random are the committed ones"},

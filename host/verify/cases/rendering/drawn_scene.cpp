@@ -21,6 +21,7 @@ public:
         surround(scene);
         scene.camera = camera();
         if (one_in(4)) scale(scene, one_of({1.f / 256, 64.f}));
+        if (one_in(4)) brighten(scene, one_of({1e-5f, 1e4f}));
         return scene;
     }
 
@@ -180,17 +181,20 @@ private:
             }
             if (are_curves(set)) set.segments = {0, 1, 2, 3, 4};
             for (std::size_t i = 0; i < primitive_count(set); ++i) {
-                set.materials.push_back(plain_material(scene));
+                set.materials.push_back(plain_material(scene, are_curves(set)));
                 set.colors.push_back(color()), set.colors.push_back(color());
             }
             scene.primitives.push_back(set);
         }
     }
-    /// A new material without maps and opacity, which primitives may have.
-    std::uint32_t plain_material(Scene& scene) {
+    /// A new material without maps and opacity, which primitives may have. Curves have no inside.
+    std::uint32_t plain_material(Scene& scene, bool opaque) {
         Material m;
-        m.kind = one_of({MaterialKind::lambert, MaterialKind::metal, MaterialKind::principled, MaterialKind::mirror});
-        m.albedo = color(), m.roughness = share(), m.metallic = share();
+        do m.kind = one_of(material_kinds).kind;
+        while (opaque && transmits(m.kind));
+        m.albedo = color(), m.roughness = share(), m.metallic = share(), m.ior = one_of({1.001f, 1.5f, 2.4f});
+        add_layers(m);
+        if (one_in(5)) m.emission = radiance(3.f);
         scene.materials.push_back(m);
         return std::uint32_t(scene.materials.size() - 1);
     }
@@ -228,6 +232,14 @@ private:
         return c;
     }
 
+    /// All that shines becomes `by` times as bright.
+    static void brighten(Scene& scene, float by) {
+        for (Light& light : scene.lights) light.intensity *= by;
+        for (Material& m : scene.materials) m.emission *= by;
+        scene.sky.horizon *= by, scene.sky.zenith *= by, scene.sky.fog_color *= by;
+        for (Texture& image : scene.environment.images)
+            for (float& texel : image.floats) texel *= by;
+    }
     /// All that is a length becomes `by` times as long, and light as much brighter as distances take from it.
     static void scale(Scene& scene, float by) {
         for (Mesh& mesh : scene.meshes)

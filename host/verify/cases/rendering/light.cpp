@@ -26,18 +26,11 @@ struct RenderForm {
 /// On CPUs the first one shades sixteen paths at once, where a scene has few effects; the others shade groups of paths
 /// or single ones.
 std::vector<RenderForm> render_forms() {
-    const auto whole = [](unsigned most_bounces, unsigned last_paths) {
-        return std::vector<Setting>{{"render/trace_paths", "MOST_EFFECTS", 64},
-                                    {"render/trace_paths", "MOST_BOUNCES_PERMILLE", most_bounces},
-                                    {"render/trace_paths", "MOST_PATHS_PER_UNIT", 1'048'576},
-                                    {"render/trace_paths", "PATIENCE_MILLISECONDS", 0},
-                                    {"render/finish_paths", "MOST_PATHS_PER_UNIT", last_paths}};
-    };
     return {{{"own kernels", {}}, Layout::automatic, false},
             {{"kernels of several scenes", {}}, Layout::wide},
             {{"binary trees", {{"render/add_light", "WITH_SHADOW_RAYS", 1}}}, Layout::binary},
-            {{"whole paths", whole(100'000, 0)}, Layout::binary},
-            {{"last paths", whole(0, 65'536)}, Layout::binary},
+            {whole_paths(), Layout::binary},
+            {last_paths(), Layout::binary},
             {{"kernels of materials", {{"render/shade_surface", "SPLIT_FROM", 1}}}, Layout::wide}};
 }
 
