@@ -3,7 +3,9 @@
 #include <map>
 
 namespace claray::verify {
+namespace {
 
+/// Of a tree, hits, an image or other numbers; empty if there is none.
 std::string committed_hash(const std::string& name) {
     static const std::map<std::string, std::string> hashes = {
         {"tree soup fast", "463901572a4fb168da072f8a408aed1b"},
@@ -275,6 +277,8 @@ std::string committed_hash(const std::string& name) {
     const auto found = hashes.find(name);
     return found == hashes.end() ? std::string() : found->second;
 }
+
+}  // namespace
 
 void Committed::compare_hash(const std::string& name, const std::string& hash) {
     const bool right = hash == committed_hash(name);

@@ -9,9 +9,6 @@
 
 namespace claray::verify {
 
-/// The committed hash of a tree, hits, an image or other numbers; empty if there is none.
-[[nodiscard]] std::string committed_hash(const std::string& name);
-
 template <class Values>
 [[nodiscard]] std::string hash_of(const Values& values) {
     const auto bytes = std::as_bytes(std::span(values));

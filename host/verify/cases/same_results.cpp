@@ -69,15 +69,6 @@ std::vector<std::pair<std::string, Mesh>> hashed_meshes() {
             {"shards", joined(soup(60, 1.f, 7), soup(3000, 0.02f, 8))}};
 }
 
-void compare_with_committed(Run& run, const std::string& name, const std::string& form, const std::string& hash,
-                            Tally& tally) {
-    if (form.empty()) run.fact(name, hash);
-    const std::string expected = committed_hash(name);
-    tally.add(hash == expected);
-    if (hash != expected)
-        run.failure(name + form + " is " + hash + " instead of " + (expected.empty() ? "none committed" : expected));
-}
-
 /// The part of a hit that is promised on every device: the triangle and the distance.
 std::string hash_of_hits(const std::vector<Hit>& hits) {
     std::vector<std::uint32_t> words;
@@ -90,15 +81,16 @@ std::string hash_of_hits(const std::vector<Hit>& hits) {
 }
 
 /// Builds a mesh by all builders and compares the trees with the committed ones.
-void tree_hashes(Run& run, const std::string& name, const Mesh& mesh, const Form& form, Tally& committed,
+void tree_hashes(Run& run, const std::string& name, const Mesh& mesh, const Form& form, Committed& committed,
                  Tally& again) {
-    const ScopedForm set(run.device(), form);
     for (const BuilderTraits& traits : builders) {
         const auto hash = [&] {
             return build(run, mesh, {.builder = traits.builder, .layout = Layout::binary}).hash();
         };
         const std::string first = hash();
-        compare_with_committed(run, "tree " + name + ' ' + traits.name, form.name, first, committed);
+        const std::string tree = "tree " + name + ' ' + traits.name;
+        if (form.settings.empty()) run.fact(tree, first);
+        committed.compare_hash(tree, first);
         for (int i = 1; i < run.count(3, 100); ++i) again.add(hash() == first);
     }
 }
@@ -115,23 +107,22 @@ void drawn_trees(const Run& run, Committed& committed) {
 
 void tree_hashes(Run& run) {
     for (const Form& form : build_forms(run.device())) {
-        Tally committed, again;
-        for (const auto& [name, mesh] : hashed_meshes()) tree_hashes(run, name, mesh, form, committed, again);
-        Committed drawn(run);
-        {
-            const ScopedForm set(run.device(), form);
-            drawn_trees(run, drawn);
-        }
+        const ScopedForm set(run.device(), form);
+        Committed trees(run), drawn(run);
+        Tally again;
+        for (const auto& [name, mesh] : hashed_meshes()) tree_hashes(run, name, mesh, form, trees, again);
+        drawn_trees(run, drawn);
         drawn.check(std::string("sets of small trees") + form.name);
+        trees.check(std::string("trees") + form.name);
         if (again.wrong) run.failure("build " + std::to_string(again.first) + " gave another tree" + form.name);
-        run.check(std::string("trees that are not the committed ones") + form.name, committed, "trees");
         run.check(std::string("trees of further builds that differ") + form.name, again, "trees");
     }
 }
 
 /// The same hits in both layouts, for any order of the rays, in one query or many, by packets and one by one.
 void hit_hashes(Run& run) {
-    Tally committed, same;
+    Committed committed(run);
+    Tally same;
     for (const auto& [name, mesh] : hashed_meshes()) {
         if (name == "tiny" || name == "huge") continue;  // no ray meets one, all meet the other
         const auto rays = random_rays(run.count<std::size_t>(70'000, 70'000), 3.f, 0.8f, 77);
@@ -144,7 +135,8 @@ void hit_hashes(Run& run) {
             const std::string hash = hash_of_hits(hits);
             if (first.empty()) {
                 first = hash;
-                compare_with_committed(run, "hits " + name, "", hash, committed);
+                run.fact("hits " + name, hash);
+                committed.compare_hash("hits " + name, hash);
             }
             same.add(hash == first);
             const auto expect = [&](const std::vector<Hit>& found, const std::string& how) {
@@ -174,7 +166,7 @@ void hit_hashes(Run& run) {
             expect(closest_hit(bvh, rays), "one by one");
         }
     }
-    run.check("hits that are not the committed ones", committed, "sets");
+    committed.check("sets of hits");
     run.check("sets of hits that differ", same, "sets");
 }
 
