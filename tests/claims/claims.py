@@ -1,4 +1,23 @@
-"""The list of measured figures, claims.toml: what each page states, and what a command prints."""
+"""Measured figures: what each page states (pages/*.toml), and what a command prints.
+
+A file begins with `page`. [[command]]: `run`, a line of bash, and for all of its rows
+  device     any, cpu, gpu or nvidia-h200 [any]; $CLARAY_DEVICE is cpu or gpu
+  needs      files of the folder that --files names, programs, and modules as python:NAME; programs of build/bin need not be named
+  limit      seconds [120]; a command with more than 600 runs only if its row or its page is named
+  exit       the exit code [0]
+[[command.row]]: a figure that the command prints
+  name
+  quote      text that stands on the page once, with the figure in braces; "{1.1 to 1.2}" is an interval
+  read       a regular expression whose group is the printed figure; `over`: the figure is divided by the group of this one
+  json       in place of `read`: the figure's path in printed JSON, as build.milliseconds
+  combine    of all figures that `read` finds: first, sum, least, most, count, mean or geometric mean [first]
+  scale      the printed figure times this has the page's unit [1]
+  value      the figure as a number, where the page has words
+  tolerance  0.1: from the value over 1.1 to the value times 1.1 [0: as rounded on the page]
+  bound      "at most" or "at least", where the page says so
+[[no_measurement]]: `text` of README whose numbers nothing measures, and `why`
+Hashes and counts are exact. Times of GPUs have a tolerance of 0.15, and those of CPUs, which share their machine, of 1.
+"""
 
 import json
 import re
@@ -7,10 +26,10 @@ import tomllib
 from dataclasses import dataclass, fields
 from functools import cache
 from pathlib import Path
-from typing import NamedTuple
+from typing import Iterator, NamedTuple
 
 root = Path(__file__).resolve().parents[2]
-list_file = Path(__file__).with_name("claims.toml")
+folder = Path(__file__).with_name("pages")
 
 
 class DeviceClass(NamedTuple):
@@ -122,19 +141,24 @@ def at_path(output: str, path: str) -> float | None:
     return None
 
 
-def read_list() -> tuple[list[Row], list[dict]]:
-    """The rows, and the phrases of README whose numbers are no measurements."""
-    known = {field.name for field in fields(Row)}
-    lists = tomllib.loads(list_file.read_text(encoding="utf-8"))
-    rows = []
-    for command in lists["command"]:
-        shared = {key: value for key, value in command.items() if key not in ("run", "row")}
-        for row in command["row"]:
-            whole = {**shared, **row, "command": command["run"]}
-            if unknown := set(whole) - known:
-                raise SystemExit(f"claims.toml: {row.get('name')}: no field {', '.join(sorted(unknown))}")
-            rows.append(Row(**{**whole, "needs": tuple(whole.get("needs", ()))}))
-    return rows, lists["no_measurement"]
+def read_lists() -> tuple[list[Row], list[str]]:
+    """The rows of all pages, and the phrases of README whose numbers are no measurements."""
+    rows: list[Row] = []
+    phrases: list[str] = []
+    for file in sorted(folder.glob("*.toml")):
+        text = tomllib.loads(file.read_text(encoding="utf-8"))
+        phrases += [phrase["text"] for phrase in text.get("no_measurement", [])]
+        rows += [row for command in text["command"] for row in rows_of(file.name, text["page"], command)]
+    return rows, phrases
+
+
+def rows_of(file: str, page: str, command: dict) -> Iterator[Row]:
+    shared = {key: value for key, value in command.items() if key not in ("run", "row")}
+    for row in command["row"]:
+        whole = {"page": page, "command": command["run"], **shared, **row}
+        if unknown := set(whole) - {field.name for field in fields(Row)}:
+            raise SystemExit(f"{file}: {row.get('name')}: no field {', '.join(sorted(unknown))}")
+        yield Row(**{**whole, "needs": tuple(whole.get("needs", ()))})
 
 
 @cache
