@@ -5,6 +5,21 @@ import numpy as np
 from answers import EITHER, HIT, MISS
 
 
+def shortened(case, most):
+    """The case's first queries."""
+    out, queries = dict(case), len(case.get("points", case.get("origins")))
+    for name in ("points", "squared_distance", "inside", "origins", "directions", "tmin", "tmax", "expect", "count", "parity"):
+        if name in case:
+            out[name] = case[name][:most]
+    if "first" in case:
+        out["first"] = case["first"][:most + 1]
+        last = out["first"][-1]
+    for name in ("primitive", "t", "tolerance"):
+        if name in case:
+            out[name] = case[name][:last if "first" in case else most]
+    return out, min(most, queries)
+
+
 def hits(case, hit, t, primitive):
     """Numbers of rays that miss what they must hit, hit what they must miss, and have a wrong distance or only a wrong triangle."""
     hit, t, primitive = np.asarray(hit, bool), np.asarray(t, np.float64), np.asarray(primitive).astype(np.int64)

@@ -3,7 +3,8 @@
     python3 bench/hardrays/run.py [--only CASE...] [--tracer NAME...] [--json FILE] [--csv FILE]
 
 Each tracer runs in a process of its own. One that is not installed is named and left out. One that aborts or takes longer
-than --limit seconds for a case has "aborts" or "hangs" there, and goes on with the next case in a new process.
+than --limit seconds for a case has "aborts" or "hangs" there, and goes on with the next case in a new process. One that
+raises an error has "refuses"; one that cannot ask the question has "-".
 """
 
 import argparse
@@ -88,9 +89,10 @@ def summary(line):
 def cell(results, tracer, name, kind):
     line = results[tracer].get(name, {})
     found = line.get(kind)
-    if found:
-        return str(found.get("wrong", found.get("stopped")))
-    return line.get("stopped", "-")
+    if not found:
+        return line.get("stopped", "-")
+    part = " of %d" % line["queries"] if "queries" in line else ""
+    return "%d%s" % (found["wrong"], part) if "wrong" in found else found["stopped"]
 
 
 def print_tables(results, names, versions):
@@ -98,7 +100,7 @@ def print_tables(results, names, versions):
     for kind, title in TABLES.items():
         columns = [t for t in results if any(kind in line for line in results[t].values())]
         lines = [[name, *(cell(results, t, name, kind) for t in columns)] for name in names]
-        lines = [line for line in lines if any(c.isdigit() for c in line[1:])]
+        lines = [line for line in lines if any(c[0].isdigit() for c in line[1:])]
         if not lines:
             continue
         print("\n%s\n" % title)

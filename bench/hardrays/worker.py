@@ -39,19 +39,21 @@ def answers_to_points(adapter, scene, case):
 
 
 def run(adapter, path):
-    case, line = dict(np.load(path)), {}
+    (case, queries), line = judge.shortened(dict(np.load(path)), getattr(adapter, "MOST", 1 << 30)), {}
+    if hasattr(adapter, "MOST"):
+        line["queries"] = queries
     try:
         scene = adapter.make(case["positions"], case["triangles"])
     except Exception as error:
         print(repr(error), file=sys.stderr)
-        return {"stopped": "fails", "message": repr(error)[:300]}
+        return {"stopped": "refuses", "message": repr(error)[:300]}
     for kind, answer in (answers_to_points if "points" in case else answers_to_rays)(adapter, scene, case):
         begin = time.perf_counter()
         try:
             line[kind] = answer()
         except Exception as error:
             print(repr(error), file=sys.stderr)
-            line[kind] = {"stopped": "fails", "message": repr(error)[:300]}
+            line[kind] = {"stopped": "refuses", "message": repr(error)[:300]}
         line[kind]["seconds"] = round(time.perf_counter() - begin, 3)
     return line
 

@@ -24,8 +24,6 @@ def count_hits(scene, origins, directions):
     return np.array([len(scene[0].intersectRay(o, d)[0]) for o, d in zip(origins, directions)])
 
 
-def signed(scene, points):
-    return igl.signed_distance(points.astype(np.float64), *scene[1:])[0]
-
-
-distance, inside = lambda scene, points: abs(signed(scene, points)), lambda scene, points: signed(scene, points) < 0
+signed = lambda scene, points: igl.signed_distance(points.astype(np.float64), *scene[1:])[0]
+distance = lambda scene, points: abs(signed(scene, points))
+inside = lambda scene, points: signed(scene, points) < 0

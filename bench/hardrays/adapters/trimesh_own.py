@@ -4,11 +4,11 @@ import numpy as np
 import trimesh
 from trimesh.ray.ray_triangle import RayMeshIntersector
 
-PACKAGE = "trimesh"
+PACKAGE, MOST = "trimesh", 5_000
 
 
 def make(positions, triangles, engine=RayMeshIntersector):
-    return engine(trimesh.Trimesh(positions, triangles, process=False))
+    return engine(trimesh.Trimesh(positions, triangles))
 
 
 def closest_hit(rays, origins, directions):

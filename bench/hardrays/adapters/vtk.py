@@ -12,23 +12,19 @@ def make(positions, triangles):
     points.SetData(numpy_to_vtk(positions, deep=True))
     cells.SetData(3, numpy_to_vtkIdTypeArray(triangles.astype(np.int64).ravel(), deep=True))
     mesh.SetPoints(points), mesh.SetPolys(cells), locator.SetDataSet(mesh), locator.BuildLocator()
-    return locator, mesh, abs(positions[np.isfinite(positions)]).max()
+    return locator, vtk.vtkImplicitPolyDataDistance(input=mesh), abs(positions[np.isfinite(positions)]).max()
 
 
 def closest_hit(scene, origins, directions):
     o, d, (locator, _, reach) = origins.astype(np.float64), directions.astype(np.float64), scene
-    far, out = 2 * (reach + np.linalg.norm(o, axis=1)) / np.linalg.norm(d, axis=1), []
+    size, out = reach + np.linalg.norm(o, axis=1), []
+    far, close = 2 * size / np.linalg.norm(d, axis=1), 1e-12 * size
     share, cell, any_cell = vtk.reference(0.0), vtk.reference(0), vtk.vtkGenericCell()
-    for start, end, length in zip(o, o + far[:, None] * d, far):
-        hit = locator.IntersectWithLine(start, end, 0.0, share, [0.0] * 3, [0.0] * 3, vtk.reference(0), cell, any_cell)
+    for start, end, length, tolerance in zip(o, o + far[:, None] * d, far, close):
+        hit = locator.IntersectWithLine(start, end, tolerance, share, [0.0] * 3, [0.0] * 3, vtk.reference(0), cell, any_cell)
         out.append((hit, share.get() * length, cell.get()))
     return tuple(np.array(column) for column in zip(*out))
 
 
-def signed(scene, points):
-    field = vtk.vtkImplicitPolyDataDistance()
-    field.SetInput(scene[1])
-    return np.array([field.FunctionValue(p) for p in points.astype(np.float64)])
-
-
-distance, inside = lambda scene, points: abs(signed(scene, points)), lambda scene, points: signed(scene, points) < 0
+distance = lambda scene, points: np.array([abs(scene[1].FunctionValue(p)) for p in points.astype(np.float64)])
+inside = lambda scene, points: np.array([scene[1].FunctionValue(p) < 0 for p in points.astype(np.float64)])

@@ -2,8 +2,8 @@
 
 import warp as wp
 
-PACKAGE = "warp-lang"
-make = lambda positions, triangles: wp.Mesh(wp.array(positions, dtype=wp.vec3), wp.array(triangles.astype("int32").ravel(), dtype=int))
+PACKAGE, vectors = "warp-lang", lambda values: wp.array(values, dtype=wp.vec3)
+make = lambda positions, triangles: wp.Mesh(vectors(positions), wp.array(triangles.astype("int32").ravel(), dtype=int))
 
 
 @wp.kernel
@@ -13,20 +13,18 @@ def ask(mesh: wp.uint64, kind: int, p: wp.array[wp.vec3], d: wp.array[wp.vec3], 
         ray = wp.mesh_query_ray(mesh, p[i], d[i], 1.0e30)
         out[i] = wp.vec3(wp.where(ray.result, 1.0, 0.0), ray.t, float(ray.face))
     elif kind == 1:
-        out[i][0] = wp.where(wp.mesh_query_ray_anyhit(mesh, p[i], d[i], 1.0e30), 1.0, 0.0)
-    elif kind == 2:
-        out[i][0] = float(wp.mesh_query_ray_count_intersections(mesh, p[i], d[i]))
+        any_hit = wp.where(wp.mesh_query_ray_anyhit(mesh, p[i], d[i], 1.0e30), 1.0, 0.0)
+        out[i] = wp.vec3(any_hit, float(wp.mesh_query_ray_count_intersections(mesh, p[i], d[i])), 0.0)
     else:
         near = wp.mesh_query_point_sign_normal(mesh, p[i], 1.0e30)
         out[i] = wp.vec3(near.sign, wp.length(wp.mesh_eval_position(mesh, near.face, near.u, near.v) - p[i]), 0.0)
 
 
 def run(mesh, kind, points, directions):
-    out = wp.zeros(len(points), dtype=wp.vec3)
-    wp.launch(ask, len(points), [mesh.id, kind, wp.array(points, dtype=wp.vec3), wp.array(directions, dtype=wp.vec3), out])
+    wp.launch(ask, len(points), [mesh.id, kind, vectors(points), vectors(directions), out := vectors(0 * points)])
     return out.numpy().T
 
 
-closest_hit = lambda mesh, o, d: (lambda hit, t, face: (hit > 0, t, face))(*run(mesh, 0, o, d))
-occluded, count_hits = lambda mesh, o, d: run(mesh, 1, o, d)[0] > 0, lambda mesh, o, d: run(mesh, 2, o, d)[0]
-distance, inside = lambda mesh, p: run(mesh, 3, p, p)[1], lambda mesh, p: run(mesh, 3, p, p)[0] < 0
+closest_hit = lambda mesh, o, d: tuple(run(mesh, 0, o, d))
+occluded, count_hits = lambda mesh, o, d: run(mesh, 1, o, d)[0] > 0, lambda mesh, o, d: run(mesh, 1, o, d)[1]
+distance, inside = lambda mesh, p: run(mesh, 2, p, p)[1], lambda mesh, p: run(mesh, 2, p, p)[0] < 0
