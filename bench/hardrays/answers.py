@@ -37,18 +37,21 @@ def near_pairs(corners, origins, directions):
             yield r[keep], t[keep]
 
 
-def border_and_valence(triangles):
-    """(m, 3) whether the edge opposite to each corner belongs to an odd number of triangles, whether each corner lies at such an
-    edge; and the numbers of triangles at edges and at corners."""
-    edges = np.sort(triangles[:, [[1, 2], [2, 0], [0, 1]]].astype(np.int64), axis=2)
-    keys = edges[..., 0] * (int(triangles.max()) + 1) + edges[..., 1]
-    _, number, counts = np.unique(keys, return_inverse=True, return_counts=True)
-    edge_counts = counts[number.reshape(keys.shape)]
-    odd = edge_counts % 2 == 1
-    at_border = np.zeros(int(triangles.max()) + 1, bool)
-    at_border[edges[odd].ravel()] = True
-    corner_counts = np.bincount(triangles.ravel())
-    return odd, at_border[triangles], keys, edge_counts, corner_counts[triangles]
+class Links:
+    """What meets at the edges opposite to the corners of triangles, and at the corners: numbers of triangles, and borders."""
+
+    def __init__(self, triangles):
+        count = int(triangles.max()) + 1
+        edges = np.sort(triangles[:, [[1, 2], [2, 0], [0, 1]]].astype(np.int64), axis=2)
+        self.corners = triangles
+        self.edges = edges[..., 0] * count + edges[..., 1]
+        _, number, counts = np.unique(self.edges, return_inverse=True, return_counts=True)
+        self.edge_counts = counts[number.reshape(self.edges.shape)]
+        self.corner_counts = np.bincount(triangles.ravel())[triangles]
+        self.edge_at_border = self.edge_counts % 2 == 1
+        at_border = np.zeros(count, bool)
+        at_border[edges[self.edge_at_border].ravel()] = True
+        self.corner_at_border = at_border[triangles]
 
 
 def welded(positions, triangles):
@@ -89,27 +92,26 @@ class Touches:
         return ~same
 
 
-def sides(touches, mesh_links):
-    """For each group of touches at one point: whether the ray must hit there, whether the number of crossings is certain, and it."""
-    odd, at_border, edge_keys, edge_counts, corner_counts, corner_names = mesh_links
-    triangle, group = touches.triangle, touches.group
-    count = int(group[-1]) + 1 if len(group) else 0
-    zeros = (touches.signs == 0).sum(axis=1)
-    strict = zeros == 0
-    rows = np.arange(len(triangle))
-    on_edge = np.argmax(touches.signs == 0, axis=1)
-    on_corner = np.argmax(touches.signs != 0, axis=1)
-    name = np.where(zeros == 1, edge_keys[triangle, on_edge], corner_names[triangle, on_corner])
-    around = np.where(zeros == 1, edge_counts[triangle, on_edge], corner_counts[triangle, on_corner])
-    open_border = np.where(zeros == 1, odd[triangle, on_edge], at_border[triangle, on_corner]) & ~strict
-    turned = np.where(strict, 0, touches.signs.sum(axis=1) > 0)
-    # Fans: the touches of a group at one edge or one corner.
-    _, fan = np.unique(np.stack([group, np.where(strict, -1 - rows, name * 4 + zeros)]), axis=1, return_inverse=True)
+def fans_of(touches, links):
+    """The touches of a group at one edge or at one corner are a fan. For each touch: its fan's number, and whether all triangles
+    that meet there are in it and none is at a border. A touch away from edges is a fan."""
+    rows, zeros = np.arange(len(touches.triangle)), (touches.signs == 0).sum(axis=1)
+    on_edge = touches.triangle, np.argmax(touches.signs == 0, axis=1)
+    on_corner = touches.triangle, np.argmax(touches.signs != 0, axis=1)
+    choose = lambda edges, corners: np.where(zeros == 1, edges[on_edge], corners[on_corner])
+    name = choose(links.edges, links.corners) * 4 + zeros
+    _, fan = np.unique(np.stack([touches.group, np.where(zeros == 0, -1 - rows, name)]), axis=1, return_inverse=True)
     fan = fan.ravel()
-    size = np.bincount(fan)[fan]
-    turns = np.bincount(fan, turned)[fan]
-    whole = strict | (~open_border & (size == around))
-    one_side = (turns == 0) | (turns == size)
+    complete = np.bincount(fan)[fan] == choose(links.edge_counts, links.corner_counts)
+    return fan, (zeros == 0) | (complete & ~choose(links.edge_at_border, links.corner_at_border))
+
+
+def sides(touches, links):
+    """For each group of touches at one point: whether the ray must hit there, whether the number of crossings is certain, and it."""
+    group, count = touches.group, int(touches.group[-1]) + 1 if len(touches.group) else 0
+    fan, whole = fans_of(touches, links)
+    turns = np.bincount(fan, touches.signs.sum(axis=1) > 0)[fan]
+    one_side = (turns == 0) | (turns == np.bincount(fan)[fan])
     crossed = (touches.broken > 0).all(axis=1) | (touches.broken < 0).all(axis=1)
     odd_fan = np.bincount(fan, crossed)[fan] % 2 == 1
     must = np.bincount(group, whole & (one_side | odd_fan), count) > 0
@@ -142,7 +144,7 @@ def tolerances(o, d, v, t):
     slope = abs(dot(normal, towards)) / area
     extent = np.max([abs(dot(v[:, k] - o, towards) - t * length) for k in range(3)], axis=0)
     flat = area / longest < 16 * move
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):  # triangles without area
         return (np.where(flat, extent, np.minimum(move / slope, extent)) + move) / length
 
 
@@ -153,10 +155,10 @@ def answers_of_rays(positions, triangles, origins, directions, pairs=None):
     corners, o, d = positions.astype(np.float64)[mesh], origins.astype(np.float64), directions.astype(np.float64)
     found = pairs if pairs is not None else [np.concatenate(a) for a in zip(*near_pairs(corners, o, d))]
     touches = Touches(*found, o, d, corners)
-    names = welded(positions, mesh)
-    must, certain, crossings = sides(touches, (*border_and_valence(names), names))
+    links = Links(welded(positions, mesh))
+    must, certain, crossings = sides(touches, links)
     flat = flat_ranges(touches.flat_ray, touches.flat, o, d, corners)
-    closed = not border_and_valence(names)[0].any()
+    closed = not links.edge_at_border.any()
     out = collect(touches, must, flat, len(o))
     out.update(counts_of(touches, certain, crossings, flat[0], closed, len(o)))
     ray, triangle = out.pop("ray"), out["primitive"]

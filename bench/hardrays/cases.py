@@ -213,7 +213,7 @@ def far_origins():
 
 
 def limits():
-    """Rays down on steps of integer heights. They end, or begin, at the hit, or a little before or behind it."""
+    """Rays down on hills of integer heights. They end, or begin, at the hit, or a little before or behind it."""
     numbers, count = Numbers(16), 20_000
     mesh = grid(numbers.integers(4, (33, 33)) * 1.0)
     flat = np.floor(numbers.between(2, 30, (count, 2))) + (1 + numbers.integers(63, (count, 2))) / 64.0
@@ -224,16 +224,15 @@ def limits():
 
 
 def limited(case, numbers):
-    """Adds tmin and tmax around the first hit: within 2^-16 of it on either side, or at the float32 next to it."""
+    """Adds tmax or tmin: at the float32 next to the first hit, or 2^-14 of the distance before or behind it."""
     count = len(case["origins"])
-    t, last = case["t"][case["first"][:-1]], case["first"][1:] - case["first"][:-1]
+    t = case["t"][case["first"][:-1]].astype(np.float32)
     if not (case["expect"] == HIT).all():
         raise ValueError("a ray misses")
-    kind = numbers.integers(6, count)
-    near = t.astype(np.float32)
-    tmin, tmax = np.zeros(count, np.float32), np.full(count, np.inf, np.float32)
-    tmax = np.where(kind == 0, near, np.where(kind == 1, near * np.float32(1 + 2.0 ** -14), np.where(kind == 2, near * np.float32(1 - 2.0 ** -14), tmax)))
-    tmin = np.where(kind == 3, near, np.where(kind == 4, near * np.float32(1 - 2.0 ** -14), np.where(kind == 5, near * np.float32(1 + 2.0 ** -14), tmin)))
+    kind, step = numbers.integers(6, count), 2.0 ** -14
+    at = t * (1 + np.array([0, step, -step, 0, -step, step], np.float32)[kind])
+    tmin = np.where(kind >= 3, at, np.float32(0))
+    tmax = np.where(kind < 3, at, np.float32(np.inf))
     case["expect"] = np.where((kind == 0) | (kind == 3), EITHER, np.where((kind == 2) | (kind == 5), MISS, HIT)).astype(np.uint8)
     case["tmin"], case["tmax"] = tmin.astype(np.float32), tmax.astype(np.float32)
     return without_counts(case)

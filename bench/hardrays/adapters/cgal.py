@@ -19,7 +19,7 @@ def closest_hit(tree, origins, directions):
         found = []
         tree.all_intersections(ray, found)
         places = [(x.first.get_Point_3() if x.first.is_Point_3() else x.first.get_Segment_3().source(), x.second) for x in found]
-        out.append(min((((p.x() - o[0]) * d[0] + (p.y() - o[1]) * d[1] + (p.z() - o[2]) * d[2]) / (d @ d), k) for p, k in places) if found else (0.0, -1))
+        out.append(min([(np.dot([p.x(), p.y(), p.z()] - o, d) / (d @ d), k) for p, k in places], default=(0.0, -1)))
     t, primitive = (np.array(column) for column in zip(*out))
     return primitive != -1, t, primitive
 
