@@ -3,10 +3,13 @@
 import claray
 
 PACKAGE, LIMITS = "claray", ("tmin", "tmax")
-make = claray.Bvh
 occluded = claray.any_hit
 count_hits = claray.count_hits
 inside = claray.inside
+
+
+def make(positions, triangles):
+    return claray.Bvh(positions, triangles, nan="omit")
 
 
 def closest_hit(bvh, origins, directions, **limits):
