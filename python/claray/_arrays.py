@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,18 +72,34 @@ def vectors(name: str, value: Any, columns: int = 3) -> tuple[NDArray[Any], Shap
     return array, array.shape[:1]
 
 
-def places(name: str, value: Any) -> NDArray[np.float32]:
-    """Contiguous float32 of shape (N, 3). Warns where float32 rounds much of what the places are apart."""
+def places(name: str, value: Any, nan: str = "raise") -> NDArray[np.float32]:
+    """Contiguous float32 of shape (N, 3). Warns where float32 rounds much of what the places are apart. With another `nan`
+    than "raise", numbers that are not finite stay."""
     given = floats(name, value, 3)
-    result = finite(name, given)
+    with np.errstate(over="ignore"):
+        result = np.ascontiguousarray(given, dtype=np.float32)
+    if not np.isfinite(result).all():
+        if nan == "raise":
+            _refuse_row(name, given, result)
+        given = given[np.isfinite(result).all(axis=1)]
+    _warn_of_rounding(name, given)
+    return result
+
+
+def _warn_of_rounding(name: str, given: NDArray[Any]) -> None:
     if given.dtype == np.float64 and len(given):
+        result = given.astype(np.float32)
         extent = float(np.ptp(given, axis=0).max())
         if float(np.abs(result).max()) * 2.0**-24 > _MOST_ROUNDING * extent > 0:  # else no need to look at each
             rounding = float(np.abs(given - result).max())
             if rounding > _MOST_ROUNDING * extent:
                 warn(f"{name}: float32 rounds them by up to {rounding:.2g}, and their extent is {extent:.3g}; "
                      "subtract an origin near them first, from rays and points, too")
-    return result
+
+
+def _refuse_row(name: str, array: NDArray[Any], as_float32: NDArray[np.float32]) -> NoReturn:
+    row = int(np.argmin(np.isfinite(as_float32).all(axis=1)))
+    raise UsageError(f"{name}: row {row} is {array[row]}, which is not finite in float32; remove such rows")
 
 
 def finite(name: str, array: NDArray[Any]) -> NDArray[np.float32]:
@@ -91,8 +107,7 @@ def finite(name: str, array: NDArray[Any]) -> NDArray[np.float32]:
     with np.errstate(over="ignore"):
         result = np.ascontiguousarray(array, dtype=np.float32)
     if not np.isfinite(result).all():
-        row = int(np.argwhere(~np.isfinite(result).all(axis=1))[0, 0])
-        raise UsageError(f"{name}: row {row} is {array[row]}, which is not finite in float32; remove such rows")
+        _refuse_row(name, array, result)
     return result
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -31,11 +31,12 @@ class Bvh(Handle):
     layout: "automatic", "binary" or "wide".
     learns: whether queries may replace the tree by one of "high", once rays have been traced for ten times as long as its
         build takes: see docs/queries.md. None: if builder is "automatic".
+    nan: "raise" an error for vertices that are not finite in float32, or "omit" their triangles.
 
     The arrays are copied to the device as float32. A warning tells if that rounds vertices by more than 1e-5 of their extent.
     Triangles of no area are left out: see statistics()['culled'].
     Raises UsageError, naming the argument, for wrong shapes and types, no triangles, indices out of range, and vertices
-    that are not finite in float32; DeviceError if the device has too little memory.
+    that are not finite in float32 unless they are omitted; DeviceError if the device has too little memory.
     """
 
     __slots__ = ("_device", "_native", "_queries")
@@ -43,9 +44,11 @@ class Bvh(Handle):
 
     def __init__(self, vertices: ArrayLike | Scene, triangles: ArrayLike | None = None, *, geometries: ArrayLike | None = None,
                  masks: ArrayLike | None = None, device: AnyDevice = None, builder: str = "automatic",
-                 split_budget: float = 0.5, layout: str = "automatic", learns: bool | None = None) -> None:
+                 split_budget: float = 0.5, layout: str = "automatic", learns: bool | None = None,
+                 nan: Literal["raise", "omit"] = "raise") -> None:
         self._device = device_of(device)
         check_choice("layout", layout, ("automatic", "binary", "wide"))
+        check_choice("nan", nan, ("raise", "omit"))
         options = (builder_called(builder), number("split_budget", split_budget), layout,
                    0 if learns is None else 1 if flag("learns", learns) else -1)
         if isinstance(vertices, Scene):
@@ -57,7 +60,7 @@ class Bvh(Handle):
         else:
             if triangles is None:
                 raise UsageError("triangles: missing; give (T, 3) indices of vertices")
-            points = places("vertices", vertices)
+            points = places("vertices", vertices, nan)
             faces = indices("triangles", triangles, 3, len(points), "vertices")
             if len(faces) == 0:
                 raise UsageError("triangles: empty; a structure needs at least one triangle")

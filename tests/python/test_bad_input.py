@@ -97,6 +97,15 @@ def test_rays_that_are_not_finite(soup, rays):
             assert (claray.closest_hit(bvh, packed, nan="miss") == hits).all()
 
 
+def test_vertices_that_are_no_numbers_can_be_omitted():
+    vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [np.nan, 0, 1], [1e39, 0, 0]]
+    bvh = claray.Bvh(vertices, [[0, 1, 3], [0, 1, 2], [4, 1, 2]], nan="omit")
+    assert bvh.statistics()["culled"] == 2
+    hit = claray.closest_hit(bvh, [[0.2, 0.2, 1]], [[0, 0, -1]])[0]
+    assert hit["primitive"] == 1 and hit["t"] == 1
+    refused("nan", lambda: claray.Bvh(vertices, [[0, 1, 2]], nan="miss"))
+
+
 def test_devices_files_and_options(tmp_path):
     with pytest.raises(claray.UsageError, match="no device matches 'abacus'"):
         claray.Device("abacus")

@@ -82,15 +82,20 @@ void compare_family(const Run& run, Committed& images, const Family& family, Lay
     }
 }
 
+/// GPUs trace binary trees, and follow paths by one kernel.
+void compare_as_gpus(const Run& run, Committed& images) {
+    compare_family(run, images, {"all effects", full_effects(), 2 * set_of_scenes}, Layout::binary);
+    for (const Form& form : {whole_paths(), last_paths()}) {
+        const ScopedForm set(run.device(), form);
+        compare_family(run, images, few_effects, Layout::binary);
+    }
+}
+
 void drawn_images(Run& run) {
     const ScopedForm set(run.device(), drawing);
     Committed images(run);
     for (const Family& family : families(run)) compare_family(run, images, family);
-    if (run.device().info().type == DeviceType::cpu)
-        for (const Form& form : {whole_paths(), last_paths()}) {
-            const ScopedForm as_gpus(run.device(), form);
-            compare_family(run, images, few_effects, Layout::binary);
-        }
+    if (run.device().info().type == DeviceType::cpu) compare_as_gpus(run, images);
     images.check("sets of sixteen images");
 }
 
