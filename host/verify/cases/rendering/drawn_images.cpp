@@ -74,8 +74,7 @@ void compare_family(const Run& run, Committed& images, const Family& family, Lay
         Image all;
         for (std::uint64_t seed = first; seed < first + set_of_scenes; ++seed) {
             RenderConfig config = config_with(family.effects - EffectSet{Effect::instances, Effect::primitives}, seed);
-            if (family.effects.has(Effect::instances)) config.sampler = Sampler::sobol;
-            config.bvh.layout = layout;
+            config.sampler = Sampler::sobol, config.bvh.layout = layout;
             append(all, render(run, drawn_scene(seed, family.effects), config));
         }
         images.compare(std::string("drawn scenes with ") + family.name + " from " + std::to_string(first), all);
