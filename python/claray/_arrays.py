@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,19 +76,18 @@ def places(name: str, value: Any, nan: str = "raise") -> NDArray[np.float32]:
     """Contiguous float32 of shape (N, 3). Warns where float32 rounds much of what the places are apart. With another `nan`
     than "raise", numbers that are not finite stay."""
     given = floats(name, value, 3)
-    with np.errstate(over="ignore"):
-        result = np.ascontiguousarray(given, dtype=np.float32)
-    if not np.isfinite(result).all():
-        if nan == "raise":
-            _refuse_row(name, given, result)
-        given = given[np.isfinite(result).all(axis=1)]
-    _warn_of_rounding(name, given)
+    if nan == "raise":
+        result = finite(name, given)
+        _warn_of_rounding(name, given, result)
+    else:
+        result = _as_float32(given)
+        usable = np.isfinite(result).all(axis=1)
+        _warn_of_rounding(name, given[usable], result[usable])
     return result
 
 
-def _warn_of_rounding(name: str, given: NDArray[Any]) -> None:
+def _warn_of_rounding(name: str, given: NDArray[Any], result: NDArray[np.float32]) -> None:
     if given.dtype == np.float64 and len(given):
-        result = given.astype(np.float32)
         extent = float(np.ptp(given, axis=0).max())
         if float(np.abs(result).max()) * 2.0**-24 > _MOST_ROUNDING * extent > 0:  # else no need to look at each
             rounding = float(np.abs(given - result).max())
@@ -97,17 +96,18 @@ def _warn_of_rounding(name: str, given: NDArray[Any]) -> None:
                      "subtract an origin near them first, from rays and points, too")
 
 
-def _refuse_row(name: str, array: NDArray[Any], as_float32: NDArray[np.float32]) -> NoReturn:
-    row = int(np.argmin(np.isfinite(as_float32).all(axis=1)))
-    raise UsageError(f"{name}: row {row} is {array[row]}, which is not finite in float32; remove such rows")
+def _as_float32(array: NDArray[Any]) -> NDArray[np.float32]:
+    """Contiguous. Too large numbers become infinite."""
+    with np.errstate(over="ignore"):
+        return np.ascontiguousarray(array, dtype=np.float32)
 
 
 def finite(name: str, array: NDArray[Any]) -> NDArray[np.float32]:
     """Contiguous float32. NaN, infinite and too large numbers are errors that name the row."""
-    with np.errstate(over="ignore"):
-        result = np.ascontiguousarray(array, dtype=np.float32)
+    result = _as_float32(array)
     if not np.isfinite(result).all():
-        _refuse_row(name, array, result)
+        row = int(np.argwhere(~np.isfinite(result).all(axis=1))[0, 0])
+        raise UsageError(f"{name}: row {row} is {array[row]}, which is not finite in float32; remove such rows")
     return result
 
 
