@@ -3,6 +3,7 @@
 import numpy as np
 
 from exact import U, as_integers, broken_signs, certainly_misses, cross, distances, dot, quotients, side_signs, sign
+from shapes import weld
 
 MISS, HIT, EITHER = 0, 1, 2
 UNKNOWN = -1
@@ -52,11 +53,6 @@ class Links:
         at_border = np.zeros(count, bool)
         at_border[edges[self.edge_at_border].ravel()] = True
         self.corner_at_border = at_border[triangles]
-
-
-def welded(positions, triangles):
-    points, number = np.unique(positions + np.float32(0), axis=0, return_inverse=True)
-    return number.ravel()[triangles]
 
 
 class Touches:
@@ -155,7 +151,7 @@ def answers_of_rays(positions, triangles, origins, directions, pairs=None):
     corners, o, d = positions.astype(np.float64)[mesh], origins.astype(np.float64), directions.astype(np.float64)
     found = pairs if pairs is not None else [np.concatenate(a) for a in zip(*near_pairs(corners, o, d))]
     touches = Touches(*found, o, d, corners)
-    links = Links(welded(positions, mesh))
+    links = Links(weld(positions, mesh)[1])
     must, certain, crossings = sides(touches, links)
     flat = flat_ranges(touches.flat_ray, touches.flat, o, d, corners)
     closed = not links.edge_at_border.any()
