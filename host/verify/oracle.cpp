@@ -112,7 +112,7 @@ void Oracle::test_block(const Ray& ray, std::size_t at, OracleHit& hit) const {
     for (std::size_t k = 0; k < block; ++k) {
         if (!(insides[k] >= 0)) continue;
         const double t = distance_to(rows, at + k, o, d);
-        if (!(t > ray.tmin) || t > ray.tmax) continue;
+        if (!(t > ray.tmin && t <= ray.tmax && t < infinity)) continue;
         if (t < hit.t || (hit.primitive == CLARAY_MISS && t == hit.t)) hit = {t, std::uint32_t(at + k)};
     }
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -39,7 +40,8 @@ Mesh drawn_mesh(std::uint64_t seed);
 /// Stretched, sheared and placed in the cube of half side 1. Only + - * made it.
 glm::mat4 drawn_transform(Random& random);
 
-Ray make_ray(glm::vec3 origin, glm::vec3 direction, float tmin = 0.f, float tmax = 1e30f);
+Ray make_ray(glm::vec3 origin, glm::vec3 direction, float tmin = 0.f,
+             float tmax = std::numeric_limits<float>::infinity());
 /// Rays from a sphere of `radius` towards random points of the cube of half side `half`.
 std::vector<Ray> random_rays(std::size_t count, float radius, float half, std::uint64_t seed);
 

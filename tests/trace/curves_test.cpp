@@ -43,6 +43,7 @@ TEST_P(CurvesTest, HitsAreWithinTheToleranceOfTheExactCurve) {
         found += hit;
         if (hit) {
             const double slack = shape() == CurveShape::flat ? 0.01 / unit : 1e-6;  // a step of the samples
+            ASSERT_TRUE(std::isfinite(hits[i].t)) << i;
             ASSERT_GE(hits[i].t, early - slack) << i;
             ASSERT_LE(hits[i].t, late + slack) << i;
             ASSERT_TRUE(hits[i].u >= 0 && hits[i].u <= 1 && std::fabs(hits[i].v) <= 1) << i;

@@ -72,7 +72,7 @@ OracleHit closest_primitive(const ExactKind& of, const std::vector<float>& data,
     return {double(nearest), primitive};
 }
 
-Tufts random_strands(std::size_t count, std::uint32_t length, CurveBasis basis, std::uint64_t seed) {
+Tufts random_strands(std::size_t count, std::uint32_t length, CurveBasis basis, std::uint64_t seed, float thickness) {
     Random random(seed);
     Tufts tufts;
     for (std::size_t i = 0; i < count; ++i) {
@@ -81,7 +81,7 @@ Tufts random_strands(std::size_t count, std::uint32_t length, CurveBasis basis, 
         for (std::uint32_t k = 0; k < length; ++k)
             tufts.segments.push_back(std::uint32_t(tufts.points.size()) + step * k);
         for (std::uint32_t k = 0; k < step * (length - 1) + 4; ++k) {
-            tufts.points.emplace_back(at, random.uniform(0.004f, 0.02f));
+            tufts.points.emplace_back(at, thickness * random.uniform(0.2f, 1.f));
             along += 0.05f * random.in_cube(1), at += along;
         }
     }

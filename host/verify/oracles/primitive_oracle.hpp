@@ -52,8 +52,9 @@ struct Tufts {
     std::vector<std::uint32_t> segments;
 };
 
-/// Strands of `length` segments with a radius that varies.
-[[nodiscard]] Tufts random_strands(std::size_t count, std::uint32_t length, CurveBasis basis, std::uint64_t seed);
+/// Strands of `length` segments with a radius that varies between a fifth of `thickness` and all of it.
+[[nodiscard]] Tufts random_strands(std::size_t count, std::uint32_t length, CurveBasis basis, std::uint64_t seed,
+                                   float thickness = 0.02f);
 [[nodiscard]] std::vector<ExactCurve> exact_curves(const Tufts& tufts, CurveBasis basis);
 /// Where a ray meets the first curve: from `early` on, if all were thicker by a tolerance, and up to `late`, if all
 /// were thinner; infinite if it meets none.

@@ -90,8 +90,8 @@ void primitives(Run& run) {
 }
 
 /// A curve that is thinner by the tolerance is hit later or not, one that is thicker earlier.
-void curves(Run& run, CurveBasis basis, CurveShape shape, const std::string& what) {
-    const Tufts tufts = random_strands(40, 3, basis, run.seed() + 112);
+void curves(Run& run, CurveBasis basis, CurveShape shape, float thickness, const std::string& what) {
+    const Tufts tufts = random_strands(40, 3, basis, run.seed() + 112, thickness);
     const auto exact = exact_curves(tufts, basis);
     auto rays = random_rays(run.count<std::size_t>(800, 20'000), 4.f, 1.f, run.seed() + 113);
     Random random(run.seed() + 114);
@@ -100,7 +100,7 @@ void curves(Run& run, CurveBasis basis, CurveShape shape, const std::string& wha
         const ExactCurve& at = exact[random.below(std::uint32_t(exact.size()))];
         rays[i] = make_ray(origin, glm::vec3(glm::dvec3(at.at(random.uniform()))) - origin);
     }
-    constexpr double tolerance = 0.02 / 32 + 0.02 / 50;  // and the steps of the samples
+    const double tolerance = thickness / 32 + thickness / 50;  // and the steps of the samples
     std::vector<Contact> contacts;
     for (const Ray& ray : rays) contacts.push_back(first_contact(exact, ray, tolerance, shape));
     Tally wrong, any;
@@ -116,7 +116,9 @@ void curves(Run& run, CurveBasis basis, CurveShape shape, const std::string& wha
                 const double slack = shape == CurveShape::flat ? 0.01 / unit : 1e-6;  // a step of the samples
                 const auto [early, late] = contacts[i];
                 const bool hit = hits[i].primitive != CLARAY_MISS;
-                const bool right = hit ? hits[i].t >= early - slack && hits[i].t <= late + slack : std::isinf(late);
+                const bool right =
+                    hit ? std::isfinite(hits[i].t) && hits[i].t >= early - slack && hits[i].t <= late + slack
+                        : std::isinf(late);
                 if (wrong.add(right)) run.failure(what + ", " + name + ": " + text_of(rays[i]));
                 any.add((occluded[i] != 0) == hit);
             }
@@ -127,9 +129,12 @@ void curves(Run& run, CurveBasis basis, CurveShape shape, const std::string& wha
 
 void curves(Run& run) {
     for (const auto& [basis, basis_name] :
-         {std::pair(CurveBasis::bspline, "B-splines"), {CurveBasis::bezier, "Bezier"}})
-        for (const auto& [shape, shape_name] : {std::pair(CurveShape::round, "round"), {CurveShape::flat, "flat"}})
-            curves(run, basis, shape, std::string(shape_name) + ' ' + basis_name);
+         {std::pair(CurveBasis::bspline, "B-splines"), {CurveBasis::bezier, "Bezier curves"}}) {
+        for (const float thickness : {0.02f, 0.2f})
+            curves(run, basis, CurveShape::round, thickness,
+                   std::string(thickness < 0.1f ? "thin " : "thick ") + basis_name);
+        curves(run, basis, CurveShape::flat, 0.02f, std::string("flat ") + basis_name);
+    }
 }
 
 }  // namespace
