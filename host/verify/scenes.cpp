@@ -4,9 +4,16 @@
 
 namespace claray::verify {
 
+void render(Renderer& renderer) {
+    renderer.render();
+    const std::uint64_t dropped = renderer.statistics().dropped_samples;
+    if (dropped != 0)
+        throw Error(ErrorKind::device, std::to_string(dropped) + " samples of a render are not finite", {});
+}
+
 std::vector<glm::vec3> render(const Run& run, const Scene& scene, const RenderConfig& config) {
     Renderer renderer(run.device(), scene, config);
-    renderer.render();
+    render(renderer);
     return renderer.image();
 }
 

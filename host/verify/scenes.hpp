@@ -6,6 +6,8 @@
 
 namespace claray::verify {
 
+/// Renders to the end, and ends the case by an error if samples were not finite: the film would leave them out in silence.
+void render(Renderer& renderer);
 [[nodiscard]] std::vector<glm::vec3> render(const Run& run, const Scene& scene, const RenderConfig& config);
 /// All AOVs but the work of the traversal, which depends on the layout of the tree.
 [[nodiscard]] std::vector<float> numbers_of(const Aovs& aovs);

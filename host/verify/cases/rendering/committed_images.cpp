@@ -68,7 +68,7 @@ void effect_images(Run& run) {
         RenderConfig config = small_image(8);
         config.effects.add = full_effects();
         Renderer renderer(run.device(), *scene, config);
-        renderer.render();
+        render(renderer);
         images.compare(name, renderer.image());
         if (has_surfaces_of_its_own(effect)) surfaces.compare(name + " surfaces", numbers_of(renderer.aovs()));
     }
@@ -172,7 +172,7 @@ void own_images(Run& run) {
     for (const char* const name : {"cornell", "spheres", "crate"}) {
         const RenderConfig config = small_image(16);
         Renderer renderer(run.device(), *builtin_scene(name), config);
-        renderer.render();
+        render(renderer);
         images.compare(name, renderer.image());
         others.compare(name + std::string(" surfaces"), numbers_of(renderer.aovs()));
         if (name != std::string("cornell")) continue;
@@ -201,7 +201,7 @@ void own_images(Run& run) {
     RenderConfig config = small_image(32);
     config.adaptive = true;
     Renderer adaptive(run.device(), cornell, config);
-    adaptive.render();
+    render(adaptive);
     run.check("adaptive renders that give all pixels the same samples", 1, adaptive.statistics().adapted ? 0 : 1, 0,
               "");
     images.compare("cornell, adaptive", adaptive.image());
@@ -258,7 +258,7 @@ void approximate_images(Run& run) {
           LightGridConfig{.voxels = true, .side = 12, .rays = 32, .updates = 2}}) {
         config.light_grid = grid;
         Renderer renderer(run.device(), cornell, config);
-        renderer.render();
+        render(renderer);
         const std::string name = of_kind(run, "cornell by a grid, " + to_string(grid));
         images.compare(name, renderer.image());
         if (grid.voxels) images.compare(name + ", its voxels", renderer.voxels());
@@ -274,13 +274,13 @@ void denoised_images(Run& run) {
         Scene scene = *builtin_scene(name);
         const RenderConfig config{.width = 64, .height = 48, .spp = 4, .seed = 5};
         Renderer renderer(run.device(), scene, config);
-        renderer.render();
+        render(renderer);
         images.compare(of_kind(run, name + std::string(", denoised")), renderer.denoised(DenoiserKind::claray));
         for (int frame = 0; frame < 3; ++frame) {
             images.compare(name + std::string(", frame ") + std::to_string(frame), renderer.denoised_picture());
             scene.camera->position.x += 0.02f * glm::length(scene.camera->target - scene.camera->position);
             renderer.update(scene, {.camera = true});
-            renderer.render();
+            render(renderer);
         }
     }
     // Rough surfaces, textures and lenses, whose guides have noise, by common kernels.
@@ -289,12 +289,12 @@ void denoised_images(Run& run) {
     for (const char* const name : noisy) common.effects.add = common.effects.add | effects_of(*builtin_scene(name));
     for (const char* const name : noisy) {
         Renderer renderer(run.device(), *builtin_scene(name), common);
-        renderer.render();
+        render(renderer);
         images.compare(of_kind(run, name + std::string(", denoised")), renderer.denoised(DenoiserKind::claray));
     }
     const RenderConfig config{.width = 512, .height = 384, .spp = 1, .seed = 5};
     Renderer renderer(run.device(), *builtin_scene("spheres"), config);
-    renderer.render();
+    render(renderer);
     const auto image = renderer.denoised(DenoiserKind::claray);
     images.compare(of_kind(run, "spheres, denoised and large"), image);
     images.check("images");
@@ -307,7 +307,7 @@ void guided_images(Run& run) {
     Tally guided;
     const auto compare = [&](const std::string& name, const RenderConfig& config) {
         Renderer renderer(run.device(), *builtin_scene("cornell"), config);
-        renderer.render();
+        render(renderer);
         guided.add(renderer.statistics().guided);
         const auto image = renderer.image();
         images.compare(name, image);

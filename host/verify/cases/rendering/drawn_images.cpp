@@ -108,7 +108,7 @@ void drawn_guides(Run& run) {
         RenderConfig config = config_with(few_effects.effects, seed);
         config.width = config.height = 128, config.spp = 20, config.adaptive = false;
         Renderer renderer(run.device(), drawn_scene(seed, few_effects.effects), config);
-        renderer.render();
+        render(renderer);
         guided += renderer.statistics().guided;
         append(all, renderer.image());
     }
@@ -159,7 +159,7 @@ Hashes other_results(const Run& run, const Device& on) {
         config.width = 40, config.height = 30;
         const Scene scene = drawn_scene(seed, effects);
         Renderer renderer(on, scene, config);
-        renderer.render();
+        render(renderer);
         append(filtered, renderer.denoised(DenoiserKind::claray));
         for (const float number : numbers_of(renderer.aovs())) surfaces.push_back(number);
         for (const float number : renderer.noise_map()) noise.push_back(number);
@@ -182,7 +182,7 @@ Hashes approximate_results(const Run& run, const Device& on, const Approximation
         config.light_grid = {.side = 4, .rays = 16, .updates = 2};
         if (approximate.tile_sum) config.width = 80, config.height = 48, config.spp = 1;
         Renderer renderer(on, drawn_scene(seed, effects), config);
-        renderer.render();
+        render(renderer);
         append(all, renderer.image());
     }
     return {{of_kind(run, "drawn scenes by " + to_string(approximate)), hash_of(all)}};
