@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "claray/effects.hpp"
 #include "tests/render/scenes.hpp"
 #include "tests/render/textures/textures.hpp"
 #include "tests/support/device.hpp"
@@ -62,6 +63,10 @@ TEST(Fog, DimsLightsThatShadowRaysFind) {
     scene.lights = {point_light({0, 2, 0}, glm::vec3(10.f))};
     const double by_point = 0.6 / std::numbers::pi * 10 / 4 * left_after(2) * left_after(5);
     EXPECT_NEAR(light_seen(scene).x, by_point, 1e-3 * by_point);
+    scene.lights.assign(64, point_light({0, 2, 0}, glm::vec3(10.f / 64)));
+    EXPECT_TRUE(effects_of(scene).contains({Effect::light_lists}));
+    EXPECT_NEAR(light_seen(scene).x, by_point, 1e-3 * by_point);
+    scene.lights = {point_light({0, 2, 0}, glm::vec3(10.f))};
     scene.lights[0].kind = LightKind::directional, scene.lights[0].direction = {0, -1, 0};
     scene.sky.fog_depth = 3.f;
     const double by_sun = 0.6 / std::numbers::pi * 10 * left_after(3) * left_after(5);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "claray/effects.hpp"
 #include "host/effects/parts/part.hpp"
 #include "tests/render/scenes.hpp"
 #include "tests/support/device.hpp"
@@ -94,6 +95,10 @@ TEST(NestedMedia, AbsorbTheLightOfLightsWithin) {
     const double distance = glm::length(way), arriving = 3 * way.y / std::pow(distance, 3);
     const double expected =
         arriving * 0.5 / std::numbers::pi * std::pow(0.4, distance + 1.5) * (1 - reflected(1, 1.33)) / (1.33 * 1.33);
+    EXPECT_NEAR(seen(scene, 2) / expected, 1, 0.02);
+    scene.lights[0].intensity /= 64.f;
+    scene.lights.resize(64, scene.lights[0]);
+    EXPECT_TRUE(effects_of(scene).contains({Effect::light_lists}));
     EXPECT_NEAR(seen(scene, 2) / expected, 1, 0.02);
 }
 
