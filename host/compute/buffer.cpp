@@ -42,6 +42,23 @@ std::uint64_t bytes_left_for(const Device& device, std::size_t bytes) {
     return device.info().memory - std::min(device.info().memory, bytes_in_use(device));
 }
 
+constexpr std::size_t guard_bytes = 1024;
+constexpr cl_uchar guard = 0xff;
+
+/// Other queues may use the buffer at once.
+void fill_with_guard(const Device& device, const cl::Buffer& buffer, std::size_t bytes) {
+    device.queue().enqueueFillBuffer(buffer, guard, 0, bytes);
+    device.queue().finish();
+}
+
+bool is_overrun(const cl::CommandQueue& queue, const cl::Buffer& buffer, std::size_t bytes) try {
+    std::vector<cl_uchar> behind(guard_bytes);
+    queue.enqueueReadBuffer(buffer, CL_TRUE, bytes, guard_bytes, behind.data());
+    return std::ranges::any_of(behind, [](cl_uchar byte) { return byte != guard; });
+} catch (const cl::Error&) {  // the device is lost
+    return false;
+}
+
 }  // namespace
 
 std::shared_ptr<cl::Buffer> allocate(const Device& device, std::size_t bytes) {
@@ -59,13 +76,17 @@ std::shared_ptr<cl::Buffer> allocate(const Device& device, std::size_t bytes) {
     if (const std::uint64_t left = bytes_left_for(device, bytes); bytes > left)
         refuse("has " + size_text(left) + " of its " + size_text(info.memory) + " left");
     const auto in_use = state_of(device).in_use;
+    const auto overruns = state_of(device).overruns;
+    const std::size_t with_guard = bytes + (overruns ? guard_bytes : 0);
     try {
         fail_if_asked(state_of(device).failing_allocation, CL_MEM_OBJECT_ALLOCATION_FAILURE);
         // The driver decides about sizes above CL_DEVICE_MAX_MEM_ALLOC_SIZE.
-        auto made = std::make_unique<cl::Buffer>(make_buffer(device, bytes));
+        auto made = std::make_unique<cl::Buffer>(make_buffer(device, with_guard));
+        if (overruns) fill_with_guard(device, *made, with_guard);
         if (state_of(device).commits) device.queue().enqueueFillBuffer(*made, cl_uchar(0), 0, 1);
         in_use->add(bytes);
-        return {made.release(), [in_use, bytes](const cl::Buffer* buffer) {
+        return {made.release(), [in_use, bytes, overruns, queue = device.queue()](const cl::Buffer* buffer) {
+                    if (overruns && is_overrun(queue, *buffer, bytes)) ++*overruns;
                     in_use->now -= bytes;
                     delete buffer;
                 }};

@@ -47,6 +47,7 @@ struct Device::State {
     std::vector<std::string> slow_programs;  // keys of programs that are only for a quick start
     MemoryPlan* plan = nullptr;              // if set, buffers are added up instead of created
     bool commits = false;                    // see MemoryCommit
+    std::shared_ptr<std::atomic<std::uint64_t>> overruns;  // if set, buffers are guarded: see GuardedMemory
     std::shared_ptr<MemoryUse> in_use = std::make_shared<MemoryUse>();
     unsigned failing_allocation = 0, failing_command = 0;  // for tests: see host/compute/memory.hpp
     int failing_with = 0;

@@ -1,6 +1,7 @@
 #include "host/compute/memory.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "host/base/format.hpp"
 #include "host/base/host_memory.hpp"
@@ -24,6 +25,13 @@ void MemoryPlan::add(std::uint64_t bytes) {
 MemoryCommit::MemoryCommit(const Device& device) : device_(device) { state_of(device_).commits = true; }
 
 MemoryCommit::~MemoryCommit() { state_of(device_).commits = false; }
+
+GuardedMemory::GuardedMemory(const Device& device)
+    : device_(device),
+      overruns_(std::make_shared<std::atomic<std::uint64_t>>(0)),
+      before_(std::exchange(state_of(device).overruns, overruns_)) {}
+
+GuardedMemory::~GuardedMemory() { state_of(device_).overruns = before_; }
 
 /// The memory of a buffer that the driver allocates on the host stays mapped: the documented way to page-locked memory
 /// (NVIDIA, "OpenCL Best Practices Guide", 3.1.1).

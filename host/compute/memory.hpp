@@ -1,7 +1,9 @@
 // Device memory in use, and the memory that an object would need before it is created.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include "claray/buffer.hpp"
@@ -44,6 +46,23 @@ public:
 
 private:
     Device device_;
+};
+
+/// In its lifetime each new buffer of the device is filled with bytes of ones, which are NaN as floats: kernels that
+/// read what nothing has written give themselves away. More such bytes follow its end, where no kernel may write.
+class GuardedMemory {
+public:
+    explicit GuardedMemory(const Device& device);
+    ~GuardedMemory();
+    GuardedMemory(const GuardedMemory&) = delete;
+    GuardedMemory& operator=(const GuardedMemory&) = delete;
+
+    /// The buffers that were written beyond their end, of those that are gone.
+    [[nodiscard]] std::uint64_t overruns() const { return *overruns_; }
+
+private:
+    Device device_;
+    std::shared_ptr<std::atomic<std::uint64_t>> overruns_, before_;
 };
 
 /// Host memory to which the device copies fast. GPUs copy to page-locked memory several times as fast as to other

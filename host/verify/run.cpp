@@ -6,14 +6,24 @@
 #include <cmath>
 
 #include "host/base/format.hpp"
+#include "host/compute/memory.hpp"
 #include "host/measure/measure.hpp"
 
 namespace claray::verify {
 
+void with_guards(const Device& device, const std::function<void()>& task) {
+    const GuardedMemory memory(device);
+    task();
+    device.finish();
+    if (memory.overruns() != 0)
+        throw Error(ErrorKind::device,
+                    "kernels wrote beyond the ends of " + std::to_string(memory.overruns()) + " buffers");
+}
+
 void Run::side_by_side(std::size_t count, const std::function<void(const Device&, std::size_t)>& piece) const {
     claray::side_by_side(device_, more_, options_.threads, count, [&](const Device& on, std::size_t i) {
         const KernelsRun kernels(on, options_.kernels, result_.kernels);
-        piece(on, i);
+        with_guards(on, [&] { piece(on, i); });
     });
 }
 

@@ -65,6 +65,9 @@ private:
     VerifyResult& result_;
 };
 
+/// Runs a task with GuardedMemory. Throws if kernels write beyond a buffer.
+void with_guards(const Device& device, const std::function<void()>& task);
+
 /// All queries of a case trace the same tree.
 [[nodiscard]] inline Bvh build(const Run& run, const Mesh& mesh, Bvh::Config config = {}) {
     config.learns = false;

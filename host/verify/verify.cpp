@@ -47,8 +47,7 @@ VerifyResult run_case(const Device& device, Devices& more, const std::string& na
     verify::Run run(device, more, options, result);
     try {
         const KernelsRun kernels(device, options.kernels, result.kernels);
-        entry.run(run);
-        device.finish();
+        with_guards(device, [&] { entry.run(run); });
     } catch (const std::exception& error) {  // a driver without something that the case needs, or with an error
         const std::string what = error.what();
         return unended(name, options, device.info(), what.substr(0, what.find('\n')), seconds_since(begin));
