@@ -65,6 +65,7 @@ std::vector<std::pair<std::string, Mesh>> hashed_meshes() {
             {"walls", walls()},
             {"tiny", scaled(soup(1000, 0.06f, 9), 2.5e-18f)},  // at the smallest extents by which bins divide
             {"huge", scaled(soup(1000, 0.05f, 10), 3e9f)},     // beyond the cells of the Morton grid
+            {"huge walls", scaled(walls(), 1e6f)},
             {"mirrored", mirrored()},
             {"shards", joined(soup(60, 1.f, 7), soup(3000, 0.02f, 8))}};
 }
@@ -98,10 +99,14 @@ void tree_hashes(Run& run, const std::string& name, const Mesh& mesh, const Form
 /// Many small trees, one hash for each builder.
 void drawn_trees(const Run& run, Committed& committed) {
     for (const BuilderTraits& traits : builders) {
-        std::string hashes;
-        for (std::uint64_t seed = 0; seed < 60; ++seed)
-            hashes += build(run, drawn_mesh(seed), {.builder = traits.builder, .layout = Layout::binary}).hash();
-        committed.compare(std::string("drawn trees ") + traits.name, hashes);
+        for (const auto& [size, by] : {std::pair("", 1.f), {"tiny ", 0x1p-40f}, {"huge ", 0x1p20f}}) {
+            std::string hashes;
+            for (std::uint64_t seed = 0; seed < 60; ++seed)
+                hashes +=
+                    build(run, scaled(drawn_mesh(seed), by), {.builder = traits.builder, .layout = Layout::binary})
+                        .hash();
+            committed.compare(std::string("drawn ") + size + "trees " + traits.name, hashes);
+        }
     }
 }
 
@@ -124,7 +129,7 @@ void hit_hashes(Run& run) {
     Committed committed(run);
     Tally same;
     for (const auto& [name, mesh] : hashed_meshes()) {
-        if (name == "tiny" || name == "huge") continue;  // no ray meets one, all meet the other
+        if (name == "tiny" || name.starts_with("huge")) continue;  // no ray meets one, all meet the other
         const auto rays = random_rays(run.count<std::size_t>(70'000, 70'000), 3.f, 0.8f, 77);
         std::vector<std::uint32_t> order(rays.size());
         for (std::size_t i = 0; i < rays.size(); ++i) order[i] = std::uint32_t(i * 31'337 % rays.size());

@@ -57,14 +57,14 @@ const Family few_effects = {"few effects",
                             {Effect::smooth_normals, Effect::lambert, Effect::blinn_phong, Effect::textures,
                              Effect::emissive_triangles, Effect::point_lights, Effect::spot_lights,
                              Effect::directional_lights, Effect::light_falloff, Effect::sky, Effect::linear_ranges},
-                            48};
+                            96};
 
 /// Compilers take long for kernels with all effects, those of GPUs minutes.
 std::vector<Family> families(const Run& run) {
     std::vector<Family> all = {few_effects};
     if (!run.full() && run.device().info().type != DeviceType::cpu) return all;
-    all.push_back({"all effects", full_effects(), 160});
-    all.push_back({"instances and primitives", known_effects(), 48});
+    all.push_back({"all effects", full_effects(), 320});
+    all.push_back({"instances and primitives", known_effects(), 96});
     return all;
 }
 
@@ -104,7 +104,7 @@ void drawn_guides(Run& run) {
     const ScopedTuning always(run.device(), "render/path_guide", "LEAST_GAIN_PERCENT", 1);
     Image all;
     std::uint64_t guided = 0;
-    for (std::uint64_t seed = 0; seed < 2 * set_of_scenes; ++seed) {
+    for (std::uint64_t seed = 0; seed < 4 * set_of_scenes; ++seed) {
         RenderConfig config = config_with(few_effects.effects, seed);
         config.width = config.height = 128, config.spp = 20, config.adaptive = false;
         Renderer renderer(run.device(), drawn_scene(seed, few_effects.effects), config);
@@ -115,7 +115,7 @@ void drawn_guides(Run& run) {
     Committed images(run);
     images.compare("guided drawn scenes", all);
     images.check("sets of images");
-    run.check("renders without guides", 2 * set_of_scenes, double(2 * set_of_scenes - guided), set_of_scenes, "");
+    run.check("renders without guides", 4 * set_of_scenes, double(4 * set_of_scenes - guided), 3 * set_of_scenes, "");
 }
 
 /// The kernels of all effects work on single rays; they must find what lanes find.

@@ -14,7 +14,7 @@ public:
         for (int i = 0; i < 4; ++i) scene.textures.push_back(texture());
         for (int i = 0; i < 5; ++i) scene.materials.push_back(material(scene));
         for (int i = 0; i < 4; ++i) scene.meshes.push_back(mesh(scene));
-        const std::uint32_t lights = one_in(3) ? 200 : random_.below(4);
+        const std::uint32_t lights = one_in(3) ? 200 : one_in(2) ? 4 + random_.below(20) : random_.below(4);
         for (std::uint32_t i = 0; i < lights; ++i) scene.lights.push_back(light(lights));
         place(scene);
         add_primitives(scene);
@@ -152,7 +152,7 @@ private:
     Light light(std::uint32_t among) {
         Light l;
         l.kind = among > 4 && !one_in(3) ? LightKind::point : one_of(light_kinds).kind;
-        l.position = random_.in_cube(3.f), l.direction = random_.in_cube(1.f) + glm::vec3(0.f, 1e-3f, 0.f);
+        l.position = random_.in_cube(one_in(3) ? 1.f : 3.f), l.direction = random_.in_cube(1.f) + glm::vec3(0.f, 1e-3f, 0.f);
         l.intensity = radiance(8.f / float(among));
         l.inner_angle = random_.uniform(0.f, 0.5f);
         l.outer_angle = l.inner_angle + random_.uniform(0.05f, 0.9f);
