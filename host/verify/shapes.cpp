@@ -54,6 +54,11 @@ Mesh sphere(int levels, float radius, glm::vec3 center) {
     return mesh;
 }
 
+Mesh scaled(Mesh mesh, float by) {
+    for (glm::vec3& p : mesh.positions) p *= by;
+    return mesh;
+}
+
 Mesh translated(Mesh mesh, const glm::vec3& by) {
     for (glm::vec3& p : mesh.positions) p += by;
     return mesh;

@@ -31,6 +31,7 @@ Mesh sphere(int levels, float radius = 1.f, glm::vec3 center = glm::vec3(0.f));
 /// An n x n grid of 2 n^2 triangles in the unit square z = 0.
 Mesh grid(unsigned n);
 /// The mesh elsewhere.
+Mesh scaled(Mesh mesh, float by);
 Mesh translated(Mesh mesh, const glm::vec3& by);
 
 /// The triangles of both.

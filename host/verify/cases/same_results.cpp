@@ -31,11 +31,6 @@ Mesh walls() {
     return all;
 }
 
-Mesh scaled(Mesh mesh, float scale) {
-    for (glm::vec3& p : mesh.positions) p *= scale;
-    return mesh;
-}
-
 /// Each on a place of its own and mirrored there, so that splits come in pairs of the same cost but for roundings.
 Mesh mirrored() {
     Random random(17);

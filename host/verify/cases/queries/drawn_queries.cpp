@@ -12,6 +12,7 @@ namespace claray::verify {
 namespace {
 
 constexpr std::uint64_t sets = 24;
+constexpr float sizes[] = {1.f, 0x1p20f, 0x1p-20f};
 
 /// Answers of one kind to all queries, as words.
 struct Answers {
@@ -26,7 +27,7 @@ struct Answers {
     }
 };
 
-/// From everywhere, some towards an edge of the mesh or along an axis, many with ends.
+/// From everywhere, some towards an edge of the mesh or along an axis, some from next to it, many with ends.
 std::vector<Ray> drawn_rays(const Mesh& mesh, std::size_t count, std::uint64_t seed) {
     Random random(seed);
     std::vector<Ray> rays = random_rays(count, 3.f, 1.f, seed);
@@ -37,8 +38,19 @@ std::vector<Ray> drawn_rays(const Mesh& mesh, std::size_t count, std::uint64_t s
         const glm::vec3 at = glm::mix(mesh.positions[t.x], mesh.positions[t.y], random.uniform());
         if (i % 4 == 0) ray = make_ray(from, at - from);
         if (i % 8 == 2) ray = make_ray(at - glm::vec3(0.f, 0.f, 2.f), {0.f, 0.f, 1.f});
+        if (i % 16 == 6) {
+            const glm::vec3 within = glm::mix(at, mesh.positions[t.z], random.uniform());
+            const float before = i % 32 == 6 ? 0.f : random.uniform(-1e-6f, 1e-6f);
+            ray = make_ray(within - before * from, from);
+        }
         if (i % 3 == 0) ray.tmin = random.uniform(0.f, 2.f), ray.tmax = ray.tmin + random.uniform(0.f, 3.f);
     }
+    return rays;
+}
+
+/// All that is a length becomes `by` times as long.
+std::vector<Ray> scaled_rays(std::vector<Ray> rays, float by) {
+    for (Ray& ray : rays) ray.ox *= by, ray.oy *= by, ray.oz *= by, ray.tmin *= by, ray.tmax *= by;
     return rays;
 }
 
@@ -55,18 +67,18 @@ void add_hits(const Run& run, const Bvh& bvh, const std::vector<Ray>& rays, std:
     answers.add(closest_hit(bvh, rays, options)), answers.add(any_hit(bvh, rays, options));
 }
 
-void add_points(const Bvh& bvh, std::uint64_t seed, Answers& answers) {
+void add_points(const Bvh& bvh, float size, std::uint64_t seed, Answers& answers) {
     Random random(seed);
     std::vector<glm::vec3> points;
     std::vector<Bounds> boxes;
     std::vector<Sphere> spheres;
     for (int i = 0; i < 400; ++i) {
-        points.push_back(random.in_cube(1.5f));
-        boxes.push_back({points.back(), points.back() + glm::abs(random.in_cube(0.5f))});
-        spheres.push_back({points.back(), random.uniform(0.f, 0.5f)});
+        points.push_back(size * random.in_cube(1.5f));
+        boxes.push_back({points.back(), points.back() + size * glm::abs(random.in_cube(0.5f))});
+        spheres.push_back({points.back(), size * random.uniform(0.f, 0.5f)});
     }
     PointOptions options;
-    if (seed % 3 == 0) options.reach = random.uniform(0.f, 0.5f);
+    if (seed % 3 == 0) options.reach = size * random.uniform(0.f, 0.5f);
     options.vote = seed % 4 == 1, options.sort = seed % 2;
     answers.add(nearest_point(bvh, points, options)), answers.add(inside(bvh, points, options));
     answers.add(signed_distance(bvh, points, options));
@@ -82,9 +94,11 @@ void drawn_queries(Run& run) {
     for (std::uint64_t seed = 0; seed < sets; ++seed) {
         Mesh mesh = drawn_mesh(seed);
         mesh.mask = seed % 8 == 0 ? 2u : 0xffffffffu;
-        const Bvh bvh = build(run, mesh, drawn_layout(seed));
-        add_hits(run, bvh, drawn_rays(mesh, 1500, seed), seed, hits);
-        add_points(bvh, seed, points);
+        const float size = sizes[seed / 8 % std::size(sizes)];
+        const auto rays = scaled_rays(drawn_rays(mesh, 1500, seed), size);
+        const Bvh bvh = build(run, scaled(mesh, size), drawn_layout(seed));
+        add_hits(run, bvh, rays, seed, hits);
+        add_points(bvh, size, seed, points);
     }
     Committed answers(run);
     answers.compare("hits of drawn meshes", hits.all);

@@ -153,7 +153,7 @@ private:
         Light l;
         l.kind = among > 4 && !one_in(3) ? LightKind::point : one_of(light_kinds).kind;
         l.position = random_.in_cube(one_in(3) ? 1.f : 3.f), l.direction = random_.in_cube(1.f) + glm::vec3(0.f, 1e-3f, 0.f);
-        l.intensity = radiance(8.f / float(among));
+        l.intensity = radiance((one_in(10) ? 200.f : 8.f) / float(among));
         l.inner_angle = random_.uniform(0.f, 0.5f);
         l.outer_angle = l.inner_angle + random_.uniform(0.05f, 0.9f);
         if (one_in(2)) l.range = random_.uniform(0.5f, 4.f), l.linear_range = one_in(2);
