@@ -75,9 +75,10 @@ class Touches:
         order = np.lexsort((self.triangle, self.t, self.ray))
         for name in ("ray", "triangle", "signs", "above", "below", "t", "broken"):
             setattr(self, name, getattr(self, name)[order])
-        self.group = np.cumsum(self._begins()) - 1
+        begins = self._are_begins()
+        self.begins, self.group = np.flatnonzero(begins), np.cumsum(begins) - 1
 
-    def _begins(self):
+    def _are_begins(self):
         """Whether a touch lies at another point than the one before."""
         same = np.zeros(len(self.ray), bool)
         same[1:] = (self.ray[1:] == self.ray[:-1]) & (self.t[1:] == self.t[:-1])
@@ -167,8 +168,7 @@ def answers_of_rays(positions, triangles, origins, directions, pairs=None):
 def collect(touches, must, flat, count):
     """The accepted answers of each ray: all points up to the first one where the ray must hit."""
     first = np.full(count, np.inf)
-    begins = np.flatnonzero(np.diff(touches.group, prepend=-1))
-    hits = begins[must]
+    hits = touches.begins[must]
     first_rays, index = np.unique(touches.ray[hits], return_index=True)
     first[first_rays] = touches.t[hits[index]]
     meets, low, high = flat
@@ -188,8 +188,7 @@ def collect(touches, must, flat, count):
 
 def counts_of(touches, certain, crossings, meets, closed, count):
     """Crossings of each ray where they are certain, and their parity in a closed mesh."""
-    begins = np.flatnonzero(np.diff(touches.group, prepend=-1))
-    owner = touches.ray[begins]
+    owner = touches.ray[touches.begins]
     flat = np.bincount(touches.flat_ray[meets], minlength=count) > 0
     doubtful = (np.bincount(owner, ~certain, count) > 0) | flat
     total = np.bincount(owner, crossings, count).astype(np.int32)

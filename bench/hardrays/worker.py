@@ -38,6 +38,11 @@ def answers_to_points(adapter, scene, case):
         yield "signs", lambda: judge.signs(case, adapter.inside(scene, case["points"]))
 
 
+def refusal(error):
+    print(repr(error), file=sys.stderr)
+    return {"stopped": "refuses", "message": repr(error)[:300]}
+
+
 def run(adapter, path):
     (case, queries), line = judge.shortened(dict(np.load(path)), getattr(adapter, "MOST", 1 << 30)), {}
     if hasattr(adapter, "MOST"):
@@ -45,15 +50,13 @@ def run(adapter, path):
     try:
         scene = adapter.make(case["positions"], case["triangles"])
     except Exception as error:
-        print(repr(error), file=sys.stderr)
-        return {"stopped": "refuses", "message": repr(error)[:300]}
+        return refusal(error)
     for kind, answer in (answers_to_points if "points" in case else answers_to_rays)(adapter, scene, case):
         begin = time.perf_counter()
         try:
             line[kind] = answer()
         except Exception as error:
-            print(repr(error), file=sys.stderr)
-            line[kind] = {"stopped": "refuses", "message": repr(error)[:300]}
+            line[kind] = refusal(error)
         line[kind]["seconds"] = round(time.perf_counter() - begin, 3)
     return line
 

@@ -31,7 +31,7 @@ class Bvh(Handle):
     layout: "automatic", "binary" or "wide".
     learns: whether queries may replace the tree by one of "high", once rays have been traced for ten times as long as its
         build takes: see docs/queries.md. None: if builder is "automatic".
-    nan: "raise" an error for vertices that are not finite in float32, or "omit" their triangles.
+    nan: "raise" an error for vertices that are not finite in float32, or "omit" their triangles. A Scene's are omitted.
 
     The arrays are copied to the device as float32. A warning tells if that rounds vertices by more than 1e-5 of their extent.
     Triangles of no area are left out: see statistics()['culled'].
