@@ -85,7 +85,8 @@ std::shared_ptr<cl::Buffer> allocate(const Device& device, std::size_t bytes) {
         if (overruns) fill_with_guard(device, *made, with_guard);
         if (state_of(device).commits) device.queue().enqueueFillBuffer(*made, cl_uchar(0), 0, 1);
         in_use->add(bytes);
-        return {made.release(), [in_use, bytes, overruns, queue = device.queue()](const cl::Buffer* buffer) {
+        return {made.release(), [in_use, bytes, overruns,
+                                 queue = overruns ? device.queue() : cl::CommandQueue()](const cl::Buffer* buffer) {
                     if (overruns && is_overrun(queue, *buffer, bytes)) ++*overruns;
                     in_use->now -= bytes;
                     delete buffer;
