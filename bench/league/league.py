@@ -57,7 +57,7 @@ def newest_llvm():
 def environment():
     """Peers find claray's package, and Mitsuba the newest LLVM."""
     made = dict(os.environ, PYTHONDONTWRITEBYTECODE="1", XDG_CONFIG_HOME="/nonexistent")
-    made["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT / "build/python"), os.environ.get("PYTHONPATH")]))
+    made["PYTHONPATH"] = os.pathsep.join(filter(None, [os.environ.get("PYTHONPATH"), str(ROOT / "build/python")]))
     made.setdefault("CLARAY_CACHE_DIR", str(ROOT / "build/kernel_cache"))
     if newest_llvm()[0]:
         made.setdefault("DRJIT_LIBLLVM_PATH", os.path.realpath(newest_llvm()[1]))
@@ -91,10 +91,16 @@ def last_line(log):
     return (log.read_text(errors="replace").strip().splitlines() or ["no output"])[-1][:200]
 
 
+def printed(command):
+    try:
+        return subprocess.run(command, cwd=ROOT, env=environment(), capture_output=True, text=True).stdout
+    except OSError:
+        return ""
+
+
 def facts(options):
     """What stands at the head of the page."""
-    device = subprocess.run([str(ROOT / "build/bin/claray"), "devices"], env=environment(), capture_output=True, text=True).stdout
-    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True).stdout.strip()
+    device, commit = printed(["build/bin/claray", "devices"]), printed(["git", "rev-parse", "--short", "HEAD"]).strip()
     yield "date", options.date
     yield "device", options.device
     yield "claray's devices", "; ".join(line.strip() for line in device.splitlines()[1:] if line.strip())

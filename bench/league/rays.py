@@ -71,10 +71,12 @@ def by_turns(tracers, question, rounds):
             for t, found in times.items() if not t.note and not t.missing}
 
 
-def note_disagreement(tracers, hits, count):
-    """Tracers whose hits differ from what most find."""
-    usual = statistics.median_low(hits.values()) if hits else 0
-    return {t: "%d hits, not %d" % (n, usual) for t, n in hits.items() if abs(n - usual) > DISAGREE * count}
+def note_disagreement(hits, count):
+    """Tracers whose hits are not those that more than half of them find; all of them, if no half agrees."""
+    agree = lambda n: [m for m in hits.values() if abs(m - n) <= DISAGREE * count]
+    usual = max(hits.values(), key=lambda n: len(agree(n)), default=0)
+    most = 2 * len(agree(usual)) > len(hits)
+    return {t: "%d hits, not %s" % (n, usual if most else "as others") for t, n in hits.items() if not most or n not in agree(usual)}
 
 
 def measure(scene, kind, count, tracers, rounds):
@@ -85,7 +87,7 @@ def measure(scene, kind, count, tracers, rounds):
     else:
         answers = {t: t.ask("prepare " + kind) for t in tracers}
         hits = {t: answer["hits"] for t, answer in answers.items() if answer}
-        wrong = note_disagreement(tracers, hits, count)
+        wrong = note_disagreement(hits, count)
         tracers_of_turns = [t for t in tracers if t not in wrong]
     times = by_turns(tracers_of_turns, "build" if kind == "build" else "trace", rounds)
     for tracer in tracers:

@@ -42,7 +42,8 @@ Tree* build(const tinybvh::bvhvec4* corners, unsigned triangles) {
     return tree;
 }
 
-void closest(Tree* tree, const float* o, const float* d, float* t, unsigned* primitive, unsigned rays, unsigned threads) {
+void closest(Tree* tree, const float* o, const float* d, float* t, unsigned* primitive, unsigned rays,
+             unsigned threads) {
     in_parallel(rays, threads, [=](unsigned i) {
         tinybvh::Ray ray = ray_of(o + 3 * i, d + 3 * i, 1e30f);
         tree->Intersect(ray);
@@ -52,7 +53,9 @@ void closest(Tree* tree, const float* o, const float* d, float* t, unsigned* pri
 }
 
 /// lengths: of the shadow rays.
-void any_hit(Tree* tree, const float* o, const float* d, const float* lengths, unsigned* occluded, unsigned rays, unsigned threads) {
-    in_parallel(rays, threads, [=](unsigned i) { occluded[i] = tree->IsOccluded(ray_of(o + 3 * i, d + 3 * i, lengths[i])); });
+void any_hit(Tree* tree, const float* o, const float* d, const float* lengths, unsigned* occluded, unsigned rays,
+             unsigned threads) {
+    in_parallel(rays, threads,
+                [=](unsigned i) { occluded[i] = tree->IsOccluded(ray_of(o + 3 * i, d + 3 * i, lengths[i])); });
 }
 }
