@@ -145,7 +145,8 @@ def rays(folder):
         yield "<h3>%s rays</h3>" % kind.capitalize() + speeds(rows, kind, "milliseconds", by_clock)
         yield "<details><summary>%s rays a second of processor time, in millions</summary>%s</details>" % (
             kind.capitalize(), speeds(rows, kind, "processor_milliseconds", by_processor))
-    yield "<h3>Builds, in millions of triangles a second</h3>" + speeds(rows, "build", "milliseconds", by_clock)
+    yield "<h3>Builds, in millions of triangles a second</h3><p>From arrays to a tree that answers, as each library is called from Python.</p>"
+    yield speeds(rows, "build", "milliseconds", by_clock)
     yield "<h3>Tracers</h3>" + settings(rows)
 
 
@@ -211,8 +212,10 @@ def write(folder):
     facts = rows_of(folder, "facts")
     known = {row["fact"]: row["value"] for row in facts}
     sections = "".join(section_of(line, folder) for line in rows_of(folder, "sections"))
-    head = "<h1>claray beside its peers</h1><p>%s, %s. Rest the pointer on a cell to see its command.</p>" % (
-        text(known.get("device", "")), text(known.get("date", "")))
+    head = "<h1>claray beside its peers</h1><p>%s, %s. <code>./dev league</code> made this page. %s</p>" % (
+        text(known.get("device", "")), text(known.get("date", "")),
+        "Rest the pointer on a cell to see its command, which wants the Python of <code>build/league_env</code> and "
+        "<code>PYTHONPATH=build/python</code>.")
     versions = "<h2>Machine and versions</h2>" + table(["", ""], [(r["fact"], (r["value"], "", "text")) for r in facts])
     Path(folder, "index.html").write_text('<!doctype html><html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width">'
                                           "<title>claray beside its peers</title><style>%s</style>%s%s%s</html>\n" % (STYLE, head, sections, versions))

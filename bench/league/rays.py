@@ -16,6 +16,7 @@ import tempfile
 FOLDER = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [FOLDER, os.path.join(FOLDER, "../hardrays")]
 
+import page  # noqa: E402
 from process import Process  # noqa: E402
 from ray_scenes import KINDS, known, write  # noqa: E402
 
@@ -115,6 +116,14 @@ def rows_of(scene, tracers, options, folder):
             yield [scene, triangles, kind, count, tracer.name, tracer.version, setting, *times, note, command_of(scene, tracer.name, options)]
 
 
+def print_means(rows):
+    """Geometric means over scenes of claray's speed over the best peer's."""
+    rows = [dict(zip(COLUMNS, row)) for row in rows]
+    by_clock, by_processor = (page.over_best(rows, key) for key in ("milliseconds", "processor_milliseconds"))
+    for kind, ratios in by_clock.items():
+        print("claray over the best peer: %s %.3f by the clock, %.3f by processor time" % (kind, page.mean(ratios), page.mean(by_processor[kind])))
+
+
 def options_of_command_line():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scene", nargs="+", metavar="NAME", help="[all]")
@@ -148,6 +157,7 @@ def main():
                 print("%-10s %-8s %-14s %8s millions a second %s" % (row[0], row[2], row[4], row[9], row[10]), flush=True)
         for tracer in tracers:
             tracer.end()
+    print_means(rows)
     if options.csv:
         with open(options.csv, "w", newline="") as file:
             csv.writer(file).writerows([COLUMNS, *rows])
