@@ -24,6 +24,7 @@ TRACERS = ("claray", "embreex", "embreex:best", "mitsuba", "mitsuba:best", "open
 COLUMNS = ("scene", "triangles", "kind", "count", "tracer", "version", "setting", "milliseconds", "processor_milliseconds", "millions_per_second",
            "note", "command")
 DISAGREE = 1e-3  # of the rays: more is another answer
+PATIENCE = 8  # seconds of a tracer's turns, after which three of them are enough
 
 
 class Tracer:
@@ -67,7 +68,8 @@ def by_turns(tracers, question, rounds):
     times = {tracer: [] for tracer in tracers}
     for _ in range(rounds):
         for tracer in tracers:
-            times[tracer].append(tracer.ask(question))
+            if len(times[tracer]) < 3 or sum(x.get("seconds", 0) for x in times[tracer]) < PATIENCE:
+                times[tracer].append(tracer.ask(question))
     return {t: [1e3 * statistics.median(x[key] for x in found) for key in ("seconds", "processor")]
             for t, found in times.items() if not t.note and not t.missing}
 
