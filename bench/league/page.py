@@ -18,6 +18,7 @@ body { font: 15px/1.5 system-ui, sans-serif; color: var(--text); background: var
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; margin: .5rem 0 1rem; }
 .wide { overflow-x: auto; }
 th, td { border-bottom: 1px solid var(--line); padding: .15rem .6rem; text-align: right; white-space: nowrap; }
+th { white-space: normal; vertical-align: bottom; }
 th:first-child, td:first-child, th.text { text-align: left; }
 td.text { text-align: left; white-space: normal; }
 td.best { background: var(--good); font-weight: 600; }
@@ -58,20 +59,23 @@ def text(value):
 
 def table(header, rows):
     """A cell is text, or (text, tooltip, class)."""
-    def cell(value):
+    def cell(value, tag="td"):
         shown, tip, kind = value if isinstance(value, tuple) else (value, "", "")
-        return "<td%s%s>%s</td>" % (' class="%s"' % kind if kind else "", ' title="%s"' % text(tip) if tip else "", text(shown))
+        return "<%s%s%s>%s</%s>" % (tag, ' class="%s"' % kind if kind else "", ' title="%s"' % text(tip) if tip else "", text(shown), tag)
 
-    head = "<tr>%s</tr>" % "".join("<th>%s</th>" % text(name) for name in header)
-    return '<div class="wide"><table>%s%s</table></div>' % (head, "".join("<tr>%s</tr>" % "".join(map(cell, row)) for row in rows))
+    head = "<tr>%s</tr>" % "".join(cell(name, "th") for name in header)
+    return '<div class="wide"><table>%s%s</table></div>\n' % (head, "\n".join("<tr>%s</tr>" % "".join(map(cell, row)) for row in rows))
 
 
-def bars(title, items, unit=""):
-    """Horizontal bars from the least power of ten on, on a logarithmic scale. `items`: (name, value, whether it is ours)."""
+def bars(title, items, unit="", less=0):
+    """Horizontal bars from the least power of ten on, on a logarithmic scale. `items`: (name, value, whether it is ours).
+
+    `less`: what was added to the values so that none is zero.
+    """
     items = [(name, value, ours) for name, value, ours in items if value]
     if not items:
         return ""
-    low = 10.0 ** math.floor(math.log10(min(value for _, value, _ in items)) - 0.01)
+    low = 10.0 ** math.floor(math.log10(0.5 * min(value for _, value, _ in items)))
     high = max(max(value for _, value, _ in items), low * 10)
     width = lambda value: 420 * math.log(value / low) / math.log(high / low)
     lines = []
@@ -79,9 +83,8 @@ def bars(title, items, unit=""):
         y = 22 * k + 4
         lines.append('<text x="250" y="%d" text-anchor="end">%s</text><rect x="260" y="%d" width="%.1f" height="16" style="fill:var(--%s)"/>'
                      '<text x="%.1f" y="%d">%s%s</text>' % (y + 13, text(name), y, max(width(value), 1), "ours" if ours else "theirs",
-                                                          268 + width(value), y + 13, short(value), unit))
-    return '<p>%s (logarithmic, from %s)</p><svg viewBox="0 0 780 %d" width="780" role="img">%s</svg>' % (
-        text(title), short(low), 22 * len(items) + 8, "".join(lines))
+                                                          268 + width(value), y + 13, short(value - less), unit))
+    return '<p>%s (logarithmic)</p><svg viewBox="0 0 780 %d" width="780" role="img">%s</svg>\n' % (text(title), 22 * len(items) + 8, "\n".join(lines))
 
 
 def unique(values):
@@ -127,7 +130,7 @@ def speeds(rows, kind, measure, ratios):
 def settings(rows):
     found = unique((r["tracer"], r["version"], r["setting"]) for r in rows if r["scene"])
     missing = [(r["tracer"], "", (r["note"], "", "text")) for r in rows if not r["scene"]]
-    return table(["tracer", "version", "setting"], [(t, v, (s, "", "text")) for t, v, s in found] + missing)
+    return table(["tracer", "version", ("setting", "", "text")], [(t, v, (s, "", "text")) for t, v, s in found] + missing)
 
 
 def rays(folder):
@@ -160,20 +163,24 @@ def hard(folder):
     for row in rows:
         if row["table"] == "hits" and row["wrong"][:1].isdigit():
             totals[row["tracer"]] = totals.get(row["tracer"], 0) + int(row["wrong"].split()[0])
-    yield bars("Wrong closest hits of all cases, plus one", [(t, n + 1, t == "claray") for t, n in sorted(totals.items(), key=lambda x: x[1])])
+    yield bars("Wrong closest hits of all cases", [(t, n + 1, t == "claray") for t, n in sorted(totals.items(), key=lambda x: x[1])], less=1)
     for kind in unique(r["table"] for r in rows):
         here = [r for r in rows if r["table"] == kind]
         tracers, found = unique(r["tracer"] for r in here), {(r["case"], r["tracer"]): r["wrong"] for r in here}
         command = "python3 bench/hardrays/run.py --only %s --tracer %s"
         lines = [[case, *((found.get((case, t), ""), command % (case, t), "best" if found.get((case, t)) == "0" else "") for t in tracers)]
                  for case in unique(r["case"] for r in here)]
-        yield "<h3>%s</h3>" % titles.get(kind, kind) + table(["case", *tracers], lines)
+        yield "<h3>%s</h3>" % titles.get(kind, kind) + table(["case", *(t.replace("_", " ") for t in tracers)], lines)
+
+
+SETTINGS = {"mitsuba": " with its sampler multijitter; its default is the sampler independent",
+            "cycles": ", whose default settings clamp light: here nothing biases the picture"}
 
 
 def render(peer):
     def section(folder):
         rows = rows_of(folder, peer)
-        yield "<p>Efficiency is 1 / (squared error x seconds of sampling), over that of %s with its best setting.</p>" % peer.capitalize()
+        yield "<p>Efficiency is 1 / (squared error x seconds of sampling), over that of %s%s.</p>" % (peer.capitalize(), SETTINGS[peer])
         ours = [r for r in rows if r["setting"] == "default"]
         yield bars("claray over %s, by the clock" % peer.capitalize(), [(r["scene"], number(r["efficiency_by_clock"]), True) for r in ours])
         command = "python3 bench/renderers/efficiency.py build/bin/claray %s --defaults --size %s --spp %s --seeds 3 --peer %s"
