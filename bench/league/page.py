@@ -6,6 +6,7 @@
 import csv
 import html
 import math
+import re
 import statistics
 import sys
 from pathlib import Path
@@ -121,10 +122,10 @@ def speeds(rows, kind, measure, ratios):
     for scene in unique(r["scene"] for r in rows if r["scene"]):
         here = {r["tracer"]: r for r in rows if (r["scene"], r["kind"]) == (scene, kind)}
         best = max([speed(r, measure) or 0 for r in here.values()], default=0)
-        cells = [(short(speed(r, measure)) or r["note"], r["command"], "best" if best and speed(r, measure) == best else "")
-                 for r in (here[t] for t in tracers if t in here)]
+        cells = [(short(speed(r, measure)) or re.sub(r".* hits, not .*", "other hits", r["note"]), ("%s %s" % (r["note"], r["command"])).strip(),
+                  "best" if best and speed(r, measure) == best else "") for r in (here[t] for t in tracers if t in here)]
         lines.append([scene, *cells, short(ratios.get(kind, {}).get(scene))])
-    return table(["scene", *tracers, "claray / best peer"], lines)
+    return table(["scene", *tracers, "claray / best"], lines)
 
 
 def settings(rows):

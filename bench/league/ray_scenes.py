@@ -12,7 +12,7 @@ import scenes  # noqa: E402
 import shapes  # noqa: E402
 
 KINDS = ("primary", "shadow", "bounce", "random")
-COHERENT = ("primary", "shadow")
+COHERENT = ("primary",)
 
 
 def of_renderers(name):

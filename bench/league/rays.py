@@ -1,6 +1,6 @@
 """Rays a second and builds of claray and its peers, on the same meshes and rays, by turns.
 
-    python3 bench/league/rays.py [--scene NAME...] [--tracer NAME...] [--files FOLDER] [--csv FILE]
+    python3 bench/league/rays.py [--scene NAME...] [--kind KIND...] [--tracer NAME...] [--files FOLDER] [--csv FILE]
 
 Each tracer is a process of its own, which converts mesh and rays to its own types before the clock starts. NAME:best is a peer with
 its best setting. A tracer that is not installed, aborts, hangs, or finds other numbers of hits has a note instead of a speed.
@@ -86,7 +86,6 @@ def measure(scene, kind, count, tracers, rounds):
     """Rows of a scene's kind of rays, or of its builds."""
     if kind == "build":
         tracers_of_turns, wrong = tracers, {}
-        by_turns(tracers, "build", 1)  # compiles
     else:
         answers = {t: t.ask("prepare " + kind) for t in tracers}
         hits = {t: answer["hits"] for t, answer in answers.items() if answer}
@@ -98,8 +97,8 @@ def measure(scene, kind, count, tracers, rounds):
         yield [kind, count, tracer, clock, processor, wrong.get(tracer) or tracer.note]
 
 
-def command_of(scene, tracer, options):
-    words = ["python3 bench/league/rays.py --scene", scene, "--tracer claray" + ("" if tracer == "claray" else " " + tracer)]
+def command_of(scene, kind, tracer, options):
+    words = ["python3 bench/league/rays.py --scene", scene, "--kind", kind, "--tracer claray" + ("" if tracer == "claray" else " " + tracer)]
     words += ["--files FOLDER"] if scene + ".obj" in os.listdir(options.files or ".") else []
     return " ".join(words + (["--tinybvh FOLDER"] if tracer.startswith("tinybvh") else []))
 
@@ -110,12 +109,13 @@ def rows_of(scene, tracers, options, folder):
     counts, triangles = write(made, options.side, os.path.join(folder, scene)), len(made[1])
     for tracer in tracers:
         tracer.load(scene)
-    for kind in ("build", *KINDS):
+    by_turns(tracers, "build", 1)  # compiles
+    for kind in options.kind:
         count = triangles if kind == "build" else counts[kind]
         for _, _, tracer, clock, processor, note in measure(scene, kind, count, tracers, options.rounds):
             times = ["%.3f" % clock, "%.3f" % processor, "%.3f" % (count / clock / 1e3)] if clock else ["", "", ""]
             setting = tracer.best if ":best" in tracer.name else "default"
-            yield [scene, triangles, kind, count, tracer.name, tracer.version, setting, *times, note, command_of(scene, tracer.name, options)]
+            yield [scene, triangles, kind, count, tracer.name, tracer.version, setting, *times, note, command_of(scene, kind, tracer.name, options)]
 
 
 def print_means(rows):
@@ -130,6 +130,7 @@ def options_of_command_line():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scene", nargs="+", metavar="NAME", help="[all]")
     parser.add_argument("--tracer", nargs="+", metavar="NAME", default=TRACERS, help="[%s]" % " ".join(TRACERS))
+    parser.add_argument("--kind", nargs="+", choices=("build", *KINDS), default=("build", *KINDS), help="[all]")
     parser.add_argument("--files", help="a folder with sponza.obj, sibenik.obj, bunny.obj or igea.obj, which add scenes")
     parser.add_argument("--side", type=int, default=512, help="rays are this number squared [512]")
     parser.add_argument("--rounds", type=int, default=9, help="[9]")

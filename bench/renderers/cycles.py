@@ -52,7 +52,7 @@ def material_of(kind, values):
                     "lamp": lambda: ("ShaderNodeEmission", {"Color": (*values, 1), "Strength": 1}),
                     "glass": lambda: ("ShaderNodeBsdfGlass", {"Color": (1, 1, 1, 1), "IOR": values, "Roughness": 0})}[kind]()
     made = node_tree(material, node, inputs, "ShaderNodeOutputMaterial")
-    if kind == "glass":
+    if kind == "glass" and "SHARP" in made.bl_rna.properties["distribution"].enum_items:  # since Blender 4 the roughness of 0 says so
         made.distribution = "SHARP"
     return material
 

@@ -204,7 +204,7 @@ def main():
     unknown = [name for name in options.names if name not in known]
     if unknown:
         parser.error(f"unknown scene {unknown[0]}; choose from {' '.join(known)}")
-    settings = [[]] if options.defaults else [[], ["--adaptive"]] + ([] if options.gpu else [["--no-guide"], ["--adaptive", "--no-guide"]])  # only CPUs guide
+    settings = [[], ["--adaptive"]] + ([] if options.gpu else [["--no-guide"], ["--adaptive", "--no-guide"]])  # only CPUs guide
     table = []
     for name in options.names or known:
         scene = known[name]()
@@ -215,7 +215,7 @@ def main():
             rows.append(("mitsuba, independent", by_mitsuba(scene, size, spp, seeds, options.gpu, "independent")))
         with tempfile.TemporaryDirectory() as folder:
             words = write_for_claray(scene, folder)
-            for extra in settings:
+            for extra in settings[:1] if options.defaults else settings:
                 rows.append((" ".join(extra) or "default", by_claray(os.path.abspath(options.claray), words, size, spp, seeds, extra, folder, options.gpu)))
         for label, renders in rows:
             report(name, label, renders, peer, options.gpu)

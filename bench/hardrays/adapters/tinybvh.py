@@ -4,9 +4,9 @@ import ctypes
 
 import numpy as np
 
-from compiled import in_memory, tinybvh
+from compiled import in_memory, tinybvh, version_of_tinybvh
 
-PACKAGE = "tinybvh"
+PACKAGE, VERSION = "tinybvh", version_of_tinybvh()
 library = tinybvh(__file__[:-2] + "cpp")
 
 

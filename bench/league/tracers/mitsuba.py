@@ -6,7 +6,7 @@ import numpy as np
 from adapters.mitsuba import make, mi  # noqa: F401
 from tracers import best
 
-PACKAGE, BEST = "mitsuba", "frozen kernels, and primary and shadow rays marked as coherent"
+PACKAGE, BEST = "mitsuba", "frozen kernels, and primary rays marked as coherent"
 
 
 def closest(scene, origins, directions, coherent):
