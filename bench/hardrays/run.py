@@ -11,16 +11,14 @@ import argparse
 import csv
 import json
 import os
-import queue
-import subprocess
 import sys
-import threading
 
 FOLDER = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, FOLDER)
 
 from cases import CASES  # noqa: E402
 from generate import write  # noqa: E402
+from process import Process  # noqa: E402
 
 TABLES = {"hits": "Closest hits: missed, false, or at a wrong distance", "occlusion": "Occlusion", "counts": "All hits: wrong numbers",
           "distances": "Points: wrong distances", "signs": "Points: wrong sides"}
@@ -31,42 +29,17 @@ def tracers():
     return sorted(files, key=lambda name: name != "claray")
 
 
-class Worker:
+def start(tracer, names, options):
     """A process that answers one tracer's cases."""
-
-    def __init__(self, tracer, names, options):
-        command = [sys.executable, os.path.join(FOLDER, "worker.py"), tracer, options.cases, *names]
-        self._log = open(os.path.join(options.cases, tracer + ".log"), "a")
-        environment = dict(os.environ, HARDRAYS_TINYBVH=options.tinybvh)
-        self._process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=self._log, text=True, env=environment)
-        self._lines = queue.Queue()
-        threading.Thread(target=self._read, daemon=True).start()
-
-    def _read(self):
-        for line in self._process.stdout:
-            if line.startswith("{"):
-                self._lines.put(json.loads(line))
-        self._lines.put(None)
-
-    def next(self, limit):
-        """The next result, or what stopped the process."""
-        try:
-            line = self._lines.get(timeout=limit)
-        except queue.Empty:
-            line = {"stopped": "hangs"}
-        return {"stopped": "aborts"} if line is None else line
-
-    def end(self):
-        self._process.kill()
-        self._process.wait()
-        self._log.close()
+    command = [sys.executable, os.path.join(FOLDER, "worker.py"), tracer, options.cases, *names]
+    return Process(command, os.path.join(options.cases, tracer + ".log"), dict(os.environ, HARDRAYS_TINYBVH=options.tinybvh))
 
 
 def results_of(tracer, names, options):
     """The results by case, and the tracer's version or why there is none."""
     results, waiting, version = {}, list(names), ""
     while waiting:
-        worker = Worker(tracer, waiting, options)
+        worker = start(tracer, waiting, options)
         line = worker.next(options.limit)
         if "version" not in line:
             worker.end()

@@ -69,7 +69,7 @@ def main():
         adapter = importlib.import_module("adapters." + tracer)
         about = {"version": version(adapter.PACKAGE)}
     except PackageNotFoundError:
-        about = {"version": "of this clone"}
+        about = {"version": getattr(adapter, "VERSION", "of this clone")}
     except (ImportError, FileNotFoundError) as error:
         about = {"missing": str(error)}
     print(json.dumps(about), file=output, flush=True)

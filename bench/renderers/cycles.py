@@ -1,9 +1,10 @@
 """Renders with Blender's Cycles what efficiency.py wrote, once a seed:
 
-    blender -b --factory-startup --debug-cycles --verbose 2 --python cycles.py -- FOLDER
+    blender -b --factory-startup --python cycles.py -- FOLDER
+    python3 -P cycles.py -- FOLDER                     (PyPI's bpy; -P: its add-on has the name of this file)
 
-Reads FOLDER/view.json and the arrays that it names; writes FOLDER/0.pfm and so on, the lowest row first. Prints "processor seconds S" for
-each picture; Cycles itself prints the time by the clock.
+Reads FOLDER/view.json and the arrays that it names; writes FOLDER/0.pfm and so on, the lowest row first. Prints "seconds P C" for each
+picture, of all processors and by the clock: those of sampling, without what a picture of one sample takes.
 """
 import array
 import json
@@ -51,7 +52,7 @@ def material_of(kind, values):
                     "lamp": lambda: ("ShaderNodeEmission", {"Color": (*values, 1), "Strength": 1}),
                     "glass": lambda: ("ShaderNodeBsdfGlass", {"Color": (1, 1, 1, 1), "IOR": values, "Roughness": 0})}[kind]()
     made = node_tree(material, node, inputs, "ShaderNodeOutputMaterial")
-    if kind == "glass":
+    if kind == "glass" and "SHARP" in made.bl_rna.properties["distribution"].enum_items:  # since Blender 4 the roughness of 0 says so
         made.distribution = "SHARP"
     return material
 
@@ -72,7 +73,8 @@ def add_part(part):
     mesh.update()
     if part["normals"]:
         normals = turned(part["normals"])
-        mesh.use_auto_smooth = True
+        if hasattr(mesh, "use_auto_smooth"):  # before Blender 4.1
+            mesh.use_auto_smooth = True
         mesh.normals_split_custom_set_from_vertices(list(zip(normals[0::3], normals[1::3], normals[2::3])))
     mesh.materials.append(material_of(part["kind"], part["values"]))
     bpy.context.collection.objects.link(bpy.data.objects.new("mesh", mesh))
@@ -138,19 +140,22 @@ def write_pfm(path, exr):
 
 
 def render(seed, samples, name):
+    """Seconds of all processors, and by the clock."""
     scene = bpy.context.scene
     scene.cycles.seed, scene.cycles.samples = seed, samples
     scene.render.filepath = os.path.join(folder, name + ".exr")
-    begin = time.process_time()
+    begin = time.process_time(), time.perf_counter()
     bpy.ops.render.render(write_still=True)
-    print("processor seconds", time.process_time() - begin, flush=True)
+    seconds = time.process_time() - begin[0], time.perf_counter() - begin[1]
     write_pfm(os.path.join(folder, name + ".pfm"), scene.render.filepath)
+    return seconds
 
 
 folder = sys.argv[sys.argv.index("--") + 1]
 with open(folder + "/view.json") as file:
     view = json.load(file)
 bpy.ops.wm.read_factory_settings(use_empty=True)
+bpy.ops.preferences.addon_enable(module="cycles")  # PyPI's bpy begins without it
 for part in view["parts"]:
     add_part(part)
 add_camera()
@@ -158,4 +163,5 @@ add_sky()
 configure()
 render(0, 1, "first")  # builds what the others have in memory
 for seed in range(view["seeds"]):
-    render(seed + 1, view["spp"], str(seed))
+    start, whole = render(seed + 1, 1, "first"), render(seed + 1, view["spp"], str(seed))
+    print("seconds", *((b - a) * view["spp"] / (view["spp"] - 1) for a, b in zip(start, whole)), flush=True)

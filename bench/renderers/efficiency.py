@@ -3,7 +3,7 @@
     pip install mitsuba numpy        (and LLVM, whose library DRJIT_LIBLLVM_PATH names)
     python3 bench/renderers/efficiency.py build/bin/claray [NAME...] [--sponza sponza.obj] [--spp 64] [--size 224] [--seeds 4]
     python3 bench/renderers/efficiency.py build/bin/claray [NAME...] --gpu --spp 256 --size 1024
-    python3 bench/renderers/efficiency.py build/bin/claray [NAME...] --peer cycles        (Blender 3.4, of Debian's package blender)
+    python3 bench/renderers/efficiency.py build/bin/claray [NAME...] --peer cycles        (Debian's package blender, or PyPI's bpy)
 
 Both render the same triangles, with box filters, to the same depth. The squared error is the variance of pixels over renders with
 different seeds. Time is that of sampling, of all processors and by the clock: neither loading, nor building trees, nor compiling
@@ -11,11 +11,13 @@ kernels. On GPUs it is by the clock, of Mitsuba's variant for CUDA and of the fi
 difference of the mean pictures over that which their variances explain: 1 where they differ by noise alone.
 """
 import argparse
+import csv
 import json
 import os
 import pathlib
 import re
 import resource
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -27,6 +29,8 @@ import numpy as np
 import scenes
 from scenes import read_pfm, write_obj, write_pfm
 
+COLUMNS = ("scene", "size", "spp", "peer", "setting", "mean", "apart", "squared_error", "processor_seconds", "clock_seconds",
+           "efficiency_by_processor", "efficiency_by_clock")
 CYCLES = pathlib.Path(__file__).with_name("cycles.py")
 
 
@@ -95,14 +99,14 @@ def mitsuba_mesh(mi, p, t, kind, values, normals):
     return mesh
 
 
-def by_mitsuba(scene, size, spp, seeds, gpu):
+def by_mitsuba(scene, size, spp, seeds, gpu, sampler="multijitter"):
     import mitsuba as mi
     mi.set_variant("cuda_ad_rgb" if gpu else "llvm_ad_rgb")
     view = mi.ScalarTransform4f().look_at([float(x) for x in scene["eye"]], [float(x) for x in scene["target"]], [0, 1, 0])
     film = dict(type="hdrfilm", width=size, height=size, pixel_format="rgb", rfilter=dict(type="box"))
     loaded = dict(type="scene", integrator=dict(type="path", max_depth=scene["depth"] + 1, rr_depth=5),
                   sensor=dict(type="perspective", fov=scene["fov"], fov_axis="y", to_world=view, film=film,
-                              sampler=dict(type="multijitter", sample_count=spp)))
+                              sampler=dict(type=sampler, sample_count=spp)))
     if "sky" in scene:
         loaded["sky"] = dict(type="constant", radiance=dict(type="rgb", value=list(scene["sky"])))
     if "environment" in scene:  # Mitsuba's first column is at -z, claray's middle one
@@ -151,19 +155,26 @@ def write_for_cycles(scene, size, spp, seeds, folder):
 def by_cycles(scene, size, spp, seeds):
     with tempfile.TemporaryDirectory() as folder:
         write_for_cycles(scene, size, spp, seeds, folder)
-        command = ["blender", "-b", "--factory-startup", "--debug-cycles", "--verbose", "2", "--python-exit-code", "1", "--python", str(CYCLES), "--", folder]
-        told = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        command = ["blender", "-b", "--factory-startup", "--python-exit-code", "1", "--python"] if shutil.which("blender") else [sys.executable, "-P"]
+        told = subprocess.run([*command, str(CYCLES), "--", folder], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         if told.returncode:
-            sys.exit("Blender failed: " + told.stdout[-2000:])
+            sys.exit("Cycles failed: " + told.stdout[-2000:])
         images = np.array([read_pfm(pathlib.Path(folder) / f"{k}.pfm") for k in range(seeds)])
-    processor = [float(x) for x in re.findall(r"^processor seconds (\S+)", told.stdout, re.M)][1:]
-    clock = [float(x) for x in re.findall(r"^ +Path Tracing +([0-9.]+)", told.stdout, re.M)][-seeds:]
-    return Renders(images, np.median(processor), np.median(clock))
+    times = re.findall(r"^seconds (\S+) (\S+)$", told.stdout, re.M)
+    return Renders(images, *np.median(np.array(times, float), 0))
 
 
 def apart(ours, theirs):
     explained = ours.images.var(0, ddof=1).mean() / len(ours.images) + theirs.images.var(0, ddof=1).mean() / len(theirs.images)
     return ((ours.images.mean(0) - theirs.images.mean(0)) ** 2).mean() / explained
+
+
+def row(name, label, renders, peer, options):
+    """For --csv: the efficiencies are over the peer's."""
+    ratio = peer.squared_error() / renders.squared_error()
+    values = [renders.images.mean(), 0 if renders is peer else apart(renders, peer), renders.squared_error(), renders.processor, renders.clock,
+              ratio * peer.processor / renders.processor, ratio * peer.clock / renders.clock]
+    return [name, options.size, options.spp, options.peer, label, *(f"{x:.6g}" for x in values)]
 
 
 def report(name, label, renders, peer, gpu):
@@ -183,6 +194,8 @@ def main():
     parser.add_argument("--size", type=int, default=224)
     parser.add_argument("--seeds", type=int, default=4)
     parser.add_argument("--gpu", action="store_true", help="with Mitsuba only")
+    parser.add_argument("--defaults", action="store_true", help="of claray only the default, and of Mitsuba also its default sampler")
+    parser.add_argument("--csv", help="a row for each renderer and setting")
     parser.add_argument("--pictures", help="folder for the first picture of each renderer, as .pfm")
     options = parser.parse_args()
     if options.gpu and options.peer == "cycles":
@@ -192,19 +205,26 @@ def main():
     if unknown:
         parser.error(f"unknown scene {unknown[0]}; choose from {' '.join(known)}")
     settings = [[], ["--adaptive"]] + ([] if options.gpu else [["--no-guide"], ["--adaptive", "--no-guide"]])  # only CPUs guide
+    table = []
     for name in options.names or known:
         scene = known[name]()
         size, spp, seeds = options.size, options.spp, options.seeds
         peer = by_cycles(scene, size, spp, seeds) if options.peer == "cycles" else by_mitsuba(scene, size, spp, seeds, options.gpu)
         rows = [(options.peer, peer)]
+        if options.defaults and options.peer == "mitsuba":
+            rows.append(("mitsuba, independent", by_mitsuba(scene, size, spp, seeds, options.gpu, "independent")))
         with tempfile.TemporaryDirectory() as folder:
             words = write_for_claray(scene, folder)
-            for extra in settings:
+            for extra in settings[:1] if options.defaults else settings:
                 rows.append((" ".join(extra) or "default", by_claray(os.path.abspath(options.claray), words, size, spp, seeds, extra, folder, options.gpu)))
         for label, renders in rows:
             report(name, label, renders, peer, options.gpu)
+            table.append(row(name, label, renders, peer, options))
             if options.pictures:
                 write_pfm(renders.images[0], pathlib.Path(options.pictures) / f"{name}_{label.replace(' ', '')}.pfm")
+    if options.csv:
+        with open(options.csv, "w", newline="") as file:
+            csv.writer(file).writerows([COLUMNS, *table])
 
 
 if __name__ == "__main__":

@@ -1,24 +1,16 @@
 """tinybvh, which is one header of C++: run.py takes its folder. It normalizes directions."""
 
 import ctypes
-import os
-import subprocess
-import tempfile
 
 import numpy as np
 
-PACKAGE, HEADER = "tinybvh", os.path.join(os.environ.get("HARDRAYS_TINYBVH", ""), "tiny_bvh.h")
-if not os.path.exists(HEADER):
-    raise FileNotFoundError("give the folder of tiny_bvh.h by --tinybvh")
-LIBRARY = os.path.join(tempfile.mkdtemp(), "tinybvh.so")
-COMPILER = ["c++", "-O2", "-march=native", "-shared", "-fPIC", "-I", os.path.dirname(HEADER)]
-subprocess.run([*COMPILER, __file__[:-2] + "cpp", "-o", LIBRARY], check=True)
-library = ctypes.CDLL(LIBRARY)
-library.build.restype = ctypes.c_void_p
-in_memory = lambda a: ctypes.c_void_p(a.ctypes.data)
+from compiled import in_memory, tinybvh, version_of_tinybvh
+
+PACKAGE, VERSION = "tinybvh", version_of_tinybvh()
+library = tinybvh(__file__[:-2] + "cpp")
 
 
-def make(positions, triangles):
+def make(positions, triangles, library=library):
     corners = np.zeros((3 * len(triangles), 4), np.float32)
     corners[:, :3] = positions[triangles].reshape(-1, 3)
     return corners, ctypes.c_void_p(library.build(in_memory(corners), len(triangles)))

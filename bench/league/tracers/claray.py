@@ -1,0 +1,21 @@
+"""claray, with its default device and builder, by rays in its own format."""
+
+import claray
+import numpy as np
+
+PACKAGE = "claray"
+make = claray.Bvh
+
+
+def closest(bvh, origins, directions, coherent):
+    rays = claray.rays(origins, directions)
+    return lambda: claray.closest_hit(bvh, rays)
+
+
+def any_hit(bvh, origins, directions, coherent):
+    rays = claray.rays(origins, directions, tmax=1.0)
+    return lambda: claray.any_hit(bvh, rays)
+
+
+def count(found):
+    return int(np.count_nonzero(found["primitive"] != claray.MISS if found.dtype.names else found))
