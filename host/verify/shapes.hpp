@@ -30,8 +30,9 @@ Mesh soup(std::size_t count, float size, std::uint64_t seed);
 Mesh sphere(int levels, float radius = 1.f, glm::vec3 center = glm::vec3(0.f));
 /// An n x n grid of 2 n^2 triangles in the unit square z = 0.
 Mesh grid(unsigned n);
-/// The mesh elsewhere.
+/// All that is a length becomes `by` times as long.
 Mesh scaled(Mesh mesh, float by);
+/// The mesh elsewhere.
 Mesh translated(Mesh mesh, const glm::vec3& by);
 
 /// The triangles of both.
