@@ -79,6 +79,8 @@ VerifyOptions with_threads(const Device& device, VerifyOptions options) {
 
 namespace verify {
 
+bool measures_times(const std::string& name) { return entry_of(name).measures_times; }
+
 std::string command_of(const std::string& name, const VerifyOptions& options, const DeviceInfo& device) {
     return "claray verify --case " + name + (options.effort == Effort::full ? " --full" : " --quick") + " --seed " +
            std::to_string(options.seed) + " --device '" + std::to_string(device.index) + "'";
@@ -89,7 +91,7 @@ void run_numbered_cases(const Device& device, std::span<const std::string> names
     const VerifyOptions options = with_threads(device, with);
     std::vector<std::size_t> at_once, alone;
     for (const std::size_t i : which) {
-        const bool measures = entry_of(names[i]).measures_times && options.times;
+        const bool measures = options.times && measures_times(names[i]);
         (options.threads > 1 && !measures ? at_once : alone).push_back(i);
     }
     std::ranges::stable_sort(at_once, {}, [&](std::size_t i) { return rank_of(names[i]); });
@@ -105,7 +107,8 @@ void run_numbered_cases(const Device& device, std::span<const std::string> names
         return true;
     };
     const auto run = [&](const Device& on, std::size_t i) {
-        if (!tell([&] { events.begun(i); })) return;
+        bool begins = false;
+        if (!tell([&] { begins = events.begun(i); }) || !begins) return;
         const VerifyResult result = run_case(on, more, names[i], options);
         (void)tell([&] { events.ended(i, result); });
     };
@@ -145,9 +148,9 @@ void run_verify_cases(const Device& device, std::span<const std::string> names, 
     std::vector<std::size_t> which(names.size());
     std::iota(which.begin(), which.end(), std::size_t(0));
     InOrder in_order(names.size(), report);
-    run_numbered_cases(
-        device, names, which, options,
-        {[](std::size_t) {}, [&](std::size_t i, const VerifyResult& result) { in_order.add(i, result); }});
+    run_numbered_cases(device, names, which, options,
+                       {[](std::size_t) { return true; },
+                        [&](std::size_t i, const VerifyResult& result) { in_order.add(i, result); }});
 }
 
 }  // namespace claray

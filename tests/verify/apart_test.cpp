@@ -5,6 +5,7 @@
 
 #include <csignal>
 #include <map>
+#include <numeric>
 #include <thread>
 
 #include "host/base/seconds_since.hpp"
@@ -45,9 +46,10 @@ struct Heard {
     unsigned opened = 0;
 };
 
-/// Runs functions as cases, `threads` at once unless they are to run one by one.
-Heard heard_of(const std::vector<Function>& functions, double limit, unsigned threads = 1) {
+/// Runs functions as cases, `threads` at once unless they are to run one by one, in so many processes.
+Heard heard_of(const std::vector<Function>& functions, double limit, unsigned threads = 1, unsigned processes = 1) {
     ApartJob job;
+    job.processes = [=](const DeviceInfo&) { return processes; };
     job.open = [] {
         DeviceInfo info;
         info.name = "none", info.extensions = {"cl_khr_fp64"}, info.fp64 = true;
@@ -58,7 +60,7 @@ Heard heard_of(const std::vector<Function>& functions, double limit, unsigned th
         const auto run = [&](std::size_t i) {
             {
                 const std::lock_guard lock(mutex);
-                events.begun(i);
+                if (!events.begun(i)) return;
             }
             functions[i]();
             const std::lock_guard lock(mutex);
@@ -73,7 +75,9 @@ Heard heard_of(const std::vector<Function>& functions, double limit, unsigned th
         for (std::thread& thread : all) thread.join();
     };
     Heard heard;
-    verify::run_in_children(job, functions.size(), limit,
+    std::vector<std::size_t> all(functions.size());
+    std::iota(all.begin(), all.end(), std::size_t(0));
+    verify::run_in_children(job, all, limit,
                             {[&](const DeviceInfo& info) {
                                  EXPECT_EQ(info.name, "none");
                                  EXPECT_TRUE(info.fp64 && info.has("cl_khr_fp64"));
@@ -144,12 +148,25 @@ TEST(VerifyApart, TheGuiltyOneOfManyIsFound) {
     EXPECT_EQ(hung.died.at(1), "killed after 1 s without an end");
 }
 
+/// Processes share the cases: each runs once, and one that crashes or hangs ends its own process only.
+TEST(VerifyApart, ProcessesShareCases) {
+    constexpr Function slow = [] { std::this_thread::sleep_for(std::chrono::milliseconds(400)); };
+    const auto begin = std::chrono::steady_clock::now();
+    EXPECT_EQ(heard_of(std::vector<Function>(8, slow), 60, 1, 4).ended.size(), 8u);
+    EXPECT_LT(seconds_since(begin), 8 * 0.4);
+    const Heard heard = heard_of({slow, crash, slow, nothing, hang, slow, slow, crash, nothing}, 1, 1, 3);
+    EXPECT_EQ(heard.ended.size(), 6u);
+    ASSERT_EQ(heard.died.size(), 3u);
+    EXPECT_EQ(heard.died.at(1), "the driver ended the process by signal 6 (SIGABRT)");
+    EXPECT_EQ(heard.died.at(4), "killed after 1 s without an end");
+}
+
 TEST(VerifyApart, WhatTheChildThrowsArrives) {
     const ApartJob job = {
         []() -> DeviceInfo { throw Error(ErrorKind::usage, "no device matches 'x'", "choose one of y", "a report"); },
         [](std::span<const std::size_t>, bool, const CaseEvents&) {}};
     try {
-        verify::run_in_children(job, 1, 60, {});
+        verify::run_in_children(job, {0}, 60, {});
         FAIL() << "nothing was thrown";
     } catch (const Error& error) {
         EXPECT_EQ(error.kind(), ErrorKind::usage);
@@ -160,11 +177,11 @@ TEST(VerifyApart, WhatTheChildThrowsArrives) {
 TEST(VerifyApart, ADriverThatOpensNoDeviceIsRefused) {
     ApartJob job = {[]() -> DeviceInfo { crash(); }, [](std::span<const std::size_t>, bool, const CaseEvents&) {}};
     EXPECT_TRUE(throws_error(ErrorKind::device, "the device cannot be opened: the driver ended the process by signal 6",
-                             [&] { verify::run_in_children(job, 1, 60, {}); }));
+                             [&] { verify::run_in_children(job, {0}, 60, {}); }));
     job.open = []() -> DeviceInfo { hang(); };
     job.seconds_to_open = 0.3;
     EXPECT_TRUE(throws_error(ErrorKind::device, "the device cannot be opened: killed after 0.3 s",
-                             [&] { verify::run_in_children(job, 1, 60, {}); }));
+                             [&] { verify::run_in_children(job, {0}, 60, {}); }));
 }
 
 /// As when Ctrl-C or a build server ends the program.

@@ -16,6 +16,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <mutex>
+#include <vector>
 
 #include "claray/error.hpp"
 #include "host/base/format.hpp"
@@ -113,15 +114,23 @@ bool Child::has_message(std::string& message) {
     return true;
 }
 
-Child::Heard Child::hear(std::string& message, Clock::time_point until) {
-    while (!has_message(message)) {
+bool Child::wait(std::span<Child* const> children, Clock::time_point until) {
+    std::vector<struct pollfd> pipes;
+    for (const Child* child : children) pipes.push_back({child->pipe_, POLLIN, 0});
+    for (;;) {
         using std::chrono::milliseconds;
         const auto left = std::chrono::ceil<milliseconds>(until - Clock::now());
         const auto most = std::clamp(left, milliseconds(0), milliseconds(3'600'000));
-        struct pollfd readable = {pipe_, POLLIN, 0};
-        const int ready = ::poll(&readable, 1, int(most.count()));
-        if (ready == 0 && left <= most) return Heard::nothing;
-        if (ready <= 0) continue;
+        const int ready = ::poll(pipes.data(), nfds_t(pipes.size()), int(most.count()));
+        if (ready > 0) return true;
+        if (ready == 0 && left <= most) return false;
+    }
+}
+
+Child::Heard Child::hear(std::string& message, Clock::time_point until) {
+    Child* const self = this;
+    while (!has_message(message)) {
+        if (!wait({&self, 1}, until)) return Heard::nothing;
         char bytes[1 << 16];
         const ssize_t count = ::read(pipe_, bytes, sizeof bytes);
         if (count == 0) return Heard::end;

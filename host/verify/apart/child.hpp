@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <functional>
+#include <span>
 #include <string>
 
 namespace claray::verify {
@@ -23,6 +24,9 @@ public:
     ~Child();
     Child(const Child&) = delete;
     Child& operator=(const Child&) = delete;
+
+    /// Waits until one of them has sent something or ended, or until a time; returns false then.
+    static bool wait(std::span<Child* const> children, Clock::time_point until);
 
     enum class Heard { message, nothing, end };
     /// Waits for a message, the end of the process or a time.

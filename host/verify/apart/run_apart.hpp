@@ -16,7 +16,7 @@ inline constexpr double quick_limit = 600;
 
 /// What is heard while cases run, by their numbers. One call at a time, from any thread.
 struct CaseEvents {
-    std::function<void(std::size_t)> begun;
+    std::function<bool(std::size_t)> begun;  ///< returns false if the case must not run: another process has it
     std::function<void(std::size_t, const VerifyResult&)> ended;
 };
 
@@ -31,6 +31,8 @@ struct ApartJob {
     /// Runs the cases of these numbers, one after the other if `one_by_one`.
     std::function<void(std::span<const std::size_t> which, bool one_by_one, const CaseEvents& events)> run;
     double seconds_to_open = 120;  ///< after which a driver hangs
+    /// How many processes share the cases; one if empty.
+    std::function<unsigned(const DeviceInfo&)> processes = {};
 };
 
 /// What the child processes tell this one.
@@ -41,11 +43,11 @@ struct ApartEvents {
     std::function<void(std::size_t, const std::string& why, double seconds)> died;
 };
 
-/// Runs `count` cases in a child process. If it dies, or if a case takes more than `limit` seconds (0: no limit), that
-/// case has died, and a new process goes on with the others. If several were under way, they run again one by one, as
-/// do all that follow. Throws what `open` and `run` throw, and ErrorKind::device if a process dies before a device is
-/// open.
-void run_in_children(const ApartJob& job, std::size_t count, double limit, const ApartEvents& events);
+/// Runs the cases `which` in child processes. If one dies, or if a case takes more than `limit` seconds (0: no limit),
+/// that case has died, and a new process goes on with the others. If the process had several under way, they run again
+/// one by one, as do all that follow. Throws what `open` and `run` throw, and ErrorKind::device if a process dies
+/// before a device is open.
+void run_in_children(const ApartJob& job, std::vector<std::size_t> which, double limit, const ApartEvents& events);
 
 /// As run_verify_cases, in child processes: this process makes no call of OpenCL. `limit` is in seconds; 0: none. A
 /// case that died fails. Calls `open` in each child, and `opened` once, before the first report. Throws as `open` does.
@@ -53,6 +55,9 @@ void run_verify_cases_apart(const std::function<Device()>& open, std::span<const
                             const VerifyOptions& options, double limit,
                             const std::function<void(const DeviceInfo&)>& opened,
                             const std::function<void(const VerifyResult&)>& report);
+
+/// Whether the case compares times, so that nothing else may run beside it.
+[[nodiscard]] bool measures_times(const std::string& name);
 
 /// The command line that repeats a case.
 [[nodiscard]] std::string command_of(const std::string& name, const VerifyOptions& options, const DeviceInfo& device);

@@ -7,6 +7,7 @@
 #include "host/base/format.hpp"
 #include "host/verify/cases/cases.hpp"
 #include "host/verify/cases/committed.hpp"
+#include "host/verify/shapes.hpp"
 
 namespace claray::verify {
 namespace {
