@@ -3,6 +3,7 @@
 // device must find the same light by the same random numbers.
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "claray/effects.hpp"
 #include "claray/renderer.hpp"
@@ -91,6 +92,7 @@ void add_values(const std::vector<Sampled>& samples, std::vector<float>& to) {
 /// Samples by random numbers of all kinds, the least and the largest among them, and values for given directions.
 void bsdf_values(Run& run) {
     Committed values(run);
+    Tally finite;
     std::vector<float> directions;
     for (const double theta : {0.02, 0.5, 1.1, 1.55, 1.5704, 1.5712, 1.65, 2.2, 3.0})
         for (const double phi : {0.3, 2.0, 3.44}) {
@@ -110,9 +112,11 @@ void bsdf_values(Run& run) {
                 all.insert(all.end(), found.begin(), found.end()), all.insert(all.end(), pdfs.begin(), pdfs.end());
             }
         }
+        for (const float value : all) finite.add(std::isfinite(value));
         values.compare(kind.name, all);
     }
     values.check("samples and values");
+    run.check("values that are not finite", finite, "values");
 }
 
 // ---- a scene's own kernels ---------------------------------------------------------------------------------------

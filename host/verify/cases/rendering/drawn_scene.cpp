@@ -152,7 +152,8 @@ private:
     Light light(std::uint32_t among) {
         Light l;
         l.kind = among > 4 && !one_in(3) ? LightKind::point : one_of(light_kinds).kind;
-        l.position = random_.in_cube(one_in(3) ? 1.f : 3.f), l.direction = random_.in_cube(1.f) + glm::vec3(0.f, 1e-3f, 0.f);
+        l.position = random_.in_cube(one_in(3) ? 1.f : 3.f),
+        l.direction = random_.in_cube(1.f) + glm::vec3(0.f, 1e-3f, 0.f);
         l.intensity = radiance((one_in(10) ? 200.f : 8.f) / float(among));
         l.inner_angle = random_.uniform(0.f, 0.5f);
         l.outer_angle = l.inner_angle + random_.uniform(0.05f, 0.9f);
@@ -219,14 +220,23 @@ private:
         scene.environment.rotation = angle(), scene.environment.strength = random_.uniform(0.2f, 1.5f);
     }
 
+    /// Half of the moves follow an axis.
+    glm::vec3 move() {
+        const glm::vec3 any = random_.in_cube(0.3f);
+        const unsigned axis = std::bit_cast<std::uint32_t>(any.x) % 6;
+        glm::vec3 along(axis < 3 ? 0.f : 1.f);
+        if (axis < 3) along[int(axis)] = 1.f;
+        return any * along;
+    }
+
     Camera camera() {
         Camera c;
         c.position =
             random_.in_cube(1.f) + one_of({glm::vec3(3.f, 1.f, 0.f), glm::vec3(0.f, 2.f, -3.f), glm::vec3(-2.f)});
         c.target = random_.in_cube(0.5f), c.vertical_fov = random_.uniform(20.f, 90.f);
         if (one_in(3)) c.aperture_radius = random_.uniform(0.01f, 0.3f), c.focus_distance = random_.uniform(0.f, 4.f);
-        if (one_in(4)) c.position_end = c.position + random_.in_cube(0.3f);
-        if (one_in(4)) c.target_end = c.target + random_.in_cube(0.3f);
+        if (one_in(4)) c.position_end = c.position + move();
+        if (one_in(4)) c.target_end = c.target + move();
         if (one_in(2)) c.projection = one_of(projections).kind;
         if (!traits_of(c.projection)->flat) c.aperture_radius = 0.f;
         return c;
