@@ -306,6 +306,11 @@ std::string committed_hash(const std::string& name) {
         {"tree large soup high", "fc05c1b3a1ccae54a338718fe16b7d52"},
         {"tree large soup binned", "b62efdf5608a2a84fbb18af9be51778b"},
         {"hits large soup", "53b842bd985c677e0923f063e1fed2de"},
+        {"solutions", "8ac3a02696605cd391e55e4eae32bd4b"},
+        {"drawn far trees fast", "7f0580358d0b2ed9aa657cbf21bbc0ce"},
+        {"drawn far trees balanced", "0e985d5b3e7242b43fd328c9dd4a88b1"},
+        {"drawn far trees high", "f182ab839685c2dcb1f438801c5c1c82"},
+        {"drawn far trees binned", "6d7a1d9c20793b1ea9e765d11839076d"},
     };
     const auto found = hashes.find(name);
     return found == hashes.end() ? std::string() : found->second;

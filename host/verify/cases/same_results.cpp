@@ -92,16 +92,23 @@ void tree_hashes(Run& run, const std::string& name, const Mesh& mesh, const Form
     }
 }
 
-/// Many small trees, one hash for each builder.
+/// Many small trees, one hash for each builder. Far from the origin floats are coarse: corners and centroids coincide.
 void drawn_trees(const Run& run, Committed& committed) {
+    struct Place {
+        const char* name;
+        float size;
+        glm::vec3 at;
+    };
+    const Place places[] = {{"", 1.f, {}}, {"tiny ", 0x1p-40f, {}}, {"huge ", 0x1p20f, {}}, {"far ", 1.f, far_away}};
     for (const BuilderTraits& traits : builders) {
-        for (const auto& [size, by] : {std::pair("", 1.f), {"tiny ", 0x1p-40f}, {"huge ", 0x1p20f}}) {
+        for (const Place& place : places) {
             std::string hashes;
-            for (std::uint64_t seed = 0; seed < 60; ++seed)
-                hashes +=
-                    build(run, scaled(drawn_mesh(seed), by), {.builder = traits.builder, .layout = Layout::binary})
-                        .hash();
-            committed.compare(std::string("drawn ") + size + "trees " + traits.name, hashes);
+            for (std::uint64_t seed = 0; seed < 60; ++seed) {
+                Mesh mesh = scaled(drawn_mesh(seed), place.size);
+                for (glm::vec3& p : mesh.positions) p += place.at;
+                hashes += build(run, mesh, {.builder = traits.builder, .layout = Layout::binary}).hash();
+            }
+            committed.compare(std::string("drawn ") + place.name + "trees " + traits.name, hashes);
         }
     }
 }
@@ -171,6 +178,52 @@ void hit_hashes(Run& run) {
     run.check("sets of hits that differ", same, "sets");
 }
 
+struct Pairs {
+    std::vector<Ray> rays;
+    std::vector<float> corners;  // nine numbers a triangle
+};
+
+/// Rays at points of triangles of all sizes and shapes, a quarter of them at an edge, another at a corner, some beside.
+Pairs drawn_pairs(std::size_t count) {
+    Random random(31);
+    Pairs pairs;
+    for (std::size_t i = 0; i < count; ++i) {
+        const float size = std::exp2(float(random.below(41)) - 20.f), away = std::exp2(float(random.below(13)));
+        const glm::vec3 place = size * away * random.in_cube(1.f);
+        glm::vec3 corners[3];
+        for (glm::vec3& corner : corners) corner = place + size * random.in_cube(1.f);
+        if (i % 5 == 0) corners[2] = corners[0] + 1e-3f * (corners[2] - corners[0]);
+        float u = random.uniform(-0.1f, 1.f), v = random.uniform(-0.1f, 1.f);
+        if (u + v > 1.05f) u = 1.f - u, v = 1.f - v;
+        if (i % 4 == 1) v = 0.f;
+        if (i % 4 == 2) u = v = 0.f;
+        const glm::vec3 target = corners[0] + u * (corners[1] - corners[0]) + v * (corners[2] - corners[0]);
+        const glm::vec3 origin = target + size * std::exp2(float(random.below(13)) - 4.f) * random.in_cube(1.f);
+        pairs.rays.push_back(make_ray(origin, target - origin));
+        for (const glm::vec3& corner : corners)
+            for (int axis = 0; axis < 3; ++axis) pairs.corners.push_back(corner[axis]);
+    }
+    return pairs;
+}
+
+/// Bits beyond those of a hit, which decide only in ties.
+void solutions(Run& run) {
+    if (!run.device().info().fp64) return run.fact("solutions", "the device has no float64");
+    const Pairs pairs = drawn_pairs(200'000);
+    const auto count = std::uint32_t(pairs.rays.size());
+    const Buffer<std::uint64_t> words(run.device(), 5 * std::size_t(count));
+    load_kernel(run.device(), "verify/solutions.cl", "solve_triangles")
+        .run({count, 64}, arg("rays", Buffer<Ray>(run.device(), pairs.rays)),
+             arg("corners", Buffer<float>(run.device(), pairs.corners)), count, arg("words", words));
+    const std::vector<std::uint64_t> found = words.read();
+    Tally hits;
+    for (std::size_t i = 0; i < count; ++i) hits.add(found[5 * i] != 0);
+    Committed bits(run);
+    bits.compare("solutions", found);
+    bits.check("sets of solutions");
+    run.check("share of rays that miss", count, double(hits.wrong) / count, 0.5, "");
+}
+
 /// Images are the same bit for bit on all devices and for any batch sizes.
 void image_hashes(Run& run) {
     Tally same;
@@ -202,6 +255,7 @@ void image_hashes(Run& run) {
 Cases sameness_cases() {
     return {
         {{"tree-hashes", "sameness", "All devices and runs build the same trees"}, tree_hashes},
+        {{"solutions", "sameness", "The exact step of the triangle test finds the committed bits"}, solutions},
         {{"hit-hashes", "sameness", "All devices, layouts, orders and schedules find the same hits"}, hit_hashes},
         {{"image-hashes", "sameness", "A device renders the same image in every run and with all batch sizes"},
          image_hashes},
