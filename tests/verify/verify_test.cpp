@@ -1,11 +1,11 @@
 // Every case of `claray verify`, with few rays, and without bars for times. Each kernel of these cases is tested by
-// those behind it: verify/arithmetic.cl (arithmetic), verify/bsdf_albedo.cl (furnace and energy of BSDFs),
-// verify/bsdf_reciprocity.cl (reciprocity), verify/bsdf_samples.cl (densities and values of BSDFs), verify/edge_rays.cl
+// those behind it: verify/arithmetic.cl (arithmetic), verify/bsdf/albedo.cl (furnace and energy of BSDFs),
+// verify/bsdf/reciprocity.cl (reciprocity), verify/bsdf/samples.cl (densities and values of BSDFs), verify/edge_rays.cl
 // (edges, vertices), verify/float_atomics.cl (atomics), verify/gbuffer_codes.cl (packed-normals, depth-to-position),
 // verify/graze_boxes.cl (boxes), verify/harmonics.cl (spherical-harmonics), verify/leave_surface.cl
 // (self-intersection), verify/look_back.cl (sort), verify/microfacets.cl (fresnel, ggx-density, ggx-energy),
 // verify/random_numbers.cl (random-numbers, light-descents), verify/shading_normals.cl (shading normals),
-// verify/functions.cl (functions, approximations), verify/wave_equation.cl (waves).
+// verify/functions.cl (functions, approximations), verify/solutions.cl (solutions), verify/wave_equation.cl (waves).
 #include "claray/verify.hpp"
 
 #include <gtest/gtest.h>

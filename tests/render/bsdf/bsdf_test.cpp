@@ -47,7 +47,7 @@ TEST_P(Bsdf, FurnaceStaysWhiteAtEveryRoughnessAndAngle) {
     for (const float roughness : {0.f, 0.04f, 0.07f, 0.15f, 0.29f, 0.5f, 0.75f, 1.f}) {
         const Buffer<float> out(device(), count);
         tested(GetParam(), roughness)
-            .run("bsdf_albedo", "albedo", count, count, 4096u, arg("cosines", Buffer<float>(device(), cosines)),
+            .run("albedo", "albedo", count, count, 4096u, arg("cosines", Buffer<float>(device(), cosines)),
                  arg("out", out));
         const std::vector<float> albedos = out.read();
         for (std::size_t i = 0; i < count; ++i) {
@@ -68,7 +68,7 @@ TEST_P(Bsdf, IsReciprocal) {
         const Buffer<float> worst(device(), items);
         const Buffer<std::uint32_t> compared(device(), items);
         tested(GetParam(), roughness)
-            .run("bsdf_reciprocity", "reciprocity", items, items, pairs, arg("worst", worst), compared);
+            .run("reciprocity", "reciprocity", items, items, pairs, arg("worst", worst), compared);
         const std::vector<float> errors = worst.read();
         const std::vector<std::uint32_t> counts = compared.read();
         EXPECT_LE(*std::max_element(errors.begin(), errors.end()), 1e-5f) << "roughness " << roughness;
@@ -127,7 +127,7 @@ TEST(Principled, IsAMixtureInProportion) {
     const std::uint32_t count = 100'000;
     const Buffer<std::uint32_t> kinds_of(device(), count);
     const Buffer<float> roughness(device(), count);
-    TestedMaterial(device(), m).run("bsdf_samples", "resolve", count, count, kinds_of, arg("roughness", roughness));
+    TestedMaterial(device(), m).run("samples", "resolve", count, count, kinds_of, arg("roughness", roughness));
     const std::vector<std::uint32_t> found = kinds_of.read();
     const std::vector<float> rough = roughness.read();
     const auto share = [&](std::uint32_t kind, float r) {

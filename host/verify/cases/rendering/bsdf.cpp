@@ -10,14 +10,14 @@ namespace claray::verify {
 std::vector<Sampled> TestedMaterial::draw(const glm::vec3& o, std::uint32_t count, std::uint32_t seed,
                                           bool evaluates) const {
     const Buffer<Sampled> out(device_, count);
-    run("bsdf_samples", "sample", count, o.x, o.y, o.z, count, seed, std::uint32_t(evaluates), out);
+    run("samples", "sample", count, o.x, o.y, o.z, count, seed, std::uint32_t(evaluates), out);
     return out.read();
 }
 
 TestedMaterial::Evaluated TestedMaterial::evaluate(const glm::vec3& o, const std::vector<float>& directions) const {
     const auto count = std::uint32_t(directions.size() / 3);
     const Buffer<float> values(device_, count), pdfs(device_, count);
-    run("bsdf_samples", "eval", count, o.x, o.y, o.z, count, arg("directions", Buffer<float>(device_, directions)),
+    run("samples", "eval", count, o.x, o.y, o.z, count, arg("directions", Buffer<float>(device_, directions)),
         arg("values", values), arg("pdfs", pdfs));
     return {values.read(), pdfs.read()};
 }

@@ -27,10 +27,10 @@ public:
         const std::vector<float> none(1);
         buffer_ = Buffer<float>(device_, tables_.data().empty() ? none : tables_.data());
     }
-    /// A kernel of kernels/verify/FILE.cl.
+    /// A kernel of kernels/verify/bsdf/FILE.cl.
     template <class... Args>
     void run(const std::string& file, const char* kernel, std::size_t items, const Args&... args) const {
-        load_kernel(device_, "verify/" + file + ".cl", kernel)
+        load_kernel(device_, "verify/bsdf/" + file + ".cl", kernel)
             .run({items, 64}, data_, arg("tables", buffer_), std::uint32_t(inside_), args...);
     }
     /// Samples of one outgoing direction; with eval_bsdf of each if `evaluates`.

@@ -106,7 +106,7 @@ void bsdf_values(Run& run) {
             for (const double theta : {0.9, 1.5703}) {
                 const glm::vec3 outgoing = at_angle(theta);
                 add_values(material.draw(outgoing, 64, 0xffffffffu),
-                           all);  // EXTREME_NUMBERS of kernels/verify/bsdf.clh
+                           all);  // EXTREME_NUMBERS of kernels/verify/bsdf/bsdf.clh
                 add_values(material.draw(outgoing, 2048, 5), all);
                 const auto [found, pdfs] = material.evaluate(outgoing, directions);
                 all.insert(all.end(), found.begin(), found.end()), all.insert(all.end(), pdfs.begin(), pdfs.end());

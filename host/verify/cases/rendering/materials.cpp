@@ -94,8 +94,8 @@ void furnaces(Run& run) {
         for (const float roughness : {0.f, 0.15f, 0.5f, 1.f}) {
             const Buffer<float> out(run.device(), count);
             tested(run.device(), kind, roughness)
-                .run("bsdf_albedo", "albedo", count, count, samples,
-                     arg("cosines", Buffer<float>(run.device(), cosines)), arg("out", out));
+                .run("albedo", "albedo", count, count, samples, arg("cosines", Buffer<float>(run.device(), cosines)),
+                     arg("out", out));
             const Material material = kind.make(roughness);
             const bool bare = material.sheen == glm::vec3(0.f) && material.clearcoat == 0;
             const bool smooth_glass = glass && bare && roughness == 0;
@@ -157,7 +157,7 @@ void bsdf_reciprocity(Run& run) {
             const Buffer<float> errors(run.device(), items);
             const Buffer<std::uint32_t> counts(run.device(), items);
             tested(run.device(), kind, roughness)
-                .run("bsdf_reciprocity", "reciprocity", items, items, pairs, arg("worst", errors), counts);
+                .run("reciprocity", "reciprocity", items, items, pairs, arg("worst", errors), counts);
             for (const std::uint32_t c : counts.read()) compared += c;
             const auto all = errors.read();
             const double most = *std::max_element(all.begin(), all.end());

@@ -1,5 +1,5 @@
 // The albedo of materials.
-#include "verify/bsdf.clh"
+#include "verify/bsdf/bsdf.clh"
 
 static inline float radical_inverse(uint k, uint base) {
     float inverse = 0.0f, digit = 1.0f;

@@ -1,5 +1,5 @@
 // Samples of materials, and their evaluation of directions.
-#include "verify/bsdf.clh"
+#include "verify/bsdf/bsdf.clh"
 
 /// A sample, and if asked for eval_bsdf of its direction.
 typedef struct Sampled { float x, y, z, weight, pdf, eval_value, eval_pdf; uint valid; } Sampled;

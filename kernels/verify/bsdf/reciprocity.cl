@@ -1,5 +1,5 @@
 // The reciprocity of materials.
-#include "verify/bsdf.clh"
+#include "verify/bsdf/bsdf.clh"
 
 /// Largest relative difference between the BSDF in both directions: n_o^2 f(o, i) = n_i^2 f(i, o). The sampler chooses every
 /// other pair. `compared` receives the number of pairs.
