@@ -25,7 +25,8 @@ void add_case_options(CLI::App& command, CaseOptions& o) {
         ->transform(whole_number(0, UINT64_MAX));
     command.add_flag("!--no-times", o.how.times, "Do not check ratios of times (for busy machines)");
     command
-        .add_option("--threads", o.how.threads, "Cases run at once [CPUs: 2; NVIDIA: number of processors, at most 5; else 1]")
+        .add_option("--threads", o.how.threads,
+                    "Cases run at once [CPUs: 2; NVIDIA: number of processors, at most 5; else 1]")
         ->transform(whole_number(1, 64));
     command.add_option("--device", o.device, "cpu, gpu, an index or part of a name (see claray devices)");
 }

@@ -10,7 +10,7 @@ namespace claray::verify {
 /// In memory that a process shares with those that it starts. Their numbers begin with 1.
 class Claims {
 public:
-    /// Throws ErrorKind::user if the system has no memory for `cases` of them.
+    /// Of `cases` > 0. Throws ErrorKind::user if the system has no memory for them.
     explicit Claims(std::size_t cases);
     ~Claims();
     Claims(const Claims&) = delete;

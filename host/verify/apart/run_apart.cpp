@@ -79,7 +79,7 @@ public:
           limit_(limit),
           events_(events),
           left_(std::move(which)),
-          claims_(left_.empty() ? 0 : 1 + *std::ranges::max_element(left_)) {}
+          claims_(1 + *std::ranges::max_element(left_)) {}
 
     void run() {
         while (!left_.empty()) {
@@ -242,7 +242,7 @@ private:
 }  // namespace
 
 void run_in_children(const ApartJob& job, std::vector<std::size_t> which, double limit, const ApartEvents& events) {
-    Workers(job, std::move(which), limit, events).run();
+    if (!which.empty()) Workers(job, std::move(which), limit, events).run();
 }
 
 void InOrder::add(std::size_t i, const VerifyResult& result) {

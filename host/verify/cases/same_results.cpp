@@ -104,8 +104,7 @@ void drawn_trees(const Run& run, Committed& committed) {
         for (const Place& place : places) {
             std::string hashes;
             for (std::uint64_t seed = 0; seed < 60; ++seed) {
-                Mesh mesh = scaled(drawn_mesh(seed), place.size);
-                for (glm::vec3& p : mesh.positions) p += place.at;
+                const Mesh mesh = translated(scaled(drawn_mesh(seed), place.size), place.at);
                 hashes += build(run, mesh, {.builder = traits.builder, .layout = Layout::binary}).hash();
             }
             committed.compare(std::string("drawn ") + place.name + "trees " + traits.name, hashes);
