@@ -12,7 +12,6 @@ kernel void solve_triangles(global const Ray* rays, global const float* corners,
     global const float* at = corners + NUMBERS_OF_TRIANGLE * i;
     const Solution s = solve(&ray, vload3(0, at), vload3(1, at), vload3(2, at));
     global ulong* to = words + WORDS_OF_SOLUTION * i;
-    to[0] = s.hit ? 1 : 0;
-    to[1] = s.hit ? as_ulong((double)s.t) : 0, to[2] = s.hit ? as_ulong((double)s.u) : 0;
-    to[3] = s.hit ? as_ulong((double)s.v) : 0, to[4] = s.hit ? as_ulong((double)s.det) : 0;
+    const ulong numbers[WORDS_OF_SOLUTION] = {1, as_ulong((double)s.t), as_ulong((double)s.u), as_ulong((double)s.v), as_ulong((double)s.det)};
+    for (uint k = 0; k < WORDS_OF_SOLUTION; ++k) to[k] = s.hit ? numbers[k] : 0;
 }

@@ -5,7 +5,8 @@
 // verify/graze_boxes.cl (boxes), verify/harmonics.cl (spherical-harmonics), verify/leave_surface.cl
 // (self-intersection), verify/look_back.cl (sort), verify/microfacets.cl (fresnel, ggx-density, ggx-energy),
 // verify/random_numbers.cl (random-numbers, light-descents), verify/shading_normals.cl (shading normals),
-// verify/functions.cl (functions, approximations), verify/solutions.cl (solutions), verify/wave_equation.cl (waves).
+// verify/functions.cl (functions, approximations), verify/near_lights.cl (light-lists, hot-spots),
+// verify/solutions.cl (solutions), verify/wave_equation.cl (waves).
 #include "claray/verify.hpp"
 
 #include <gtest/gtest.h>

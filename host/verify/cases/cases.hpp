@@ -31,6 +31,7 @@ using Cases = std::vector<Case>;
 [[nodiscard]] Cases gbuffer_cases();
 [[nodiscard]] Cases wave_cases();
 [[nodiscard]] Cases light_cases();
+[[nodiscard]] Cases near_light_cases();
 [[nodiscard]] Cases sameness_cases();
 [[nodiscard]] Cases random_cases();
 [[nodiscard]] Cases committed_cases();
