@@ -311,6 +311,10 @@ std::string committed_hash(const std::string& name) {
         {"drawn far trees balanced", "0e985d5b3e7242b43fd328c9dd4a88b1"},
         {"drawn far trees high", "f182ab839685c2dcb1f438801c5c1c82"},
         {"drawn far trees binned", "6d7a1d9c20793b1ea9e765d11839076d"},
+        {"drawn coarse trees fast", "01f43c05322011aaa7a8f81e0f64f464"},
+        {"drawn coarse trees balanced", "6808f6c6281a6185bce174ee29ef4c89"},
+        {"drawn coarse trees high", "16324f669ce0e4fbb41e8ce766af6ec8"},
+        {"drawn coarse trees binned", "8e8992c6584babb73661c6476c48ad49"},
     };
     const auto found = hashes.find(name);
     return found == hashes.end() ? std::string() : found->second;

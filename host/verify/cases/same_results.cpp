@@ -98,14 +98,21 @@ void drawn_trees(const Run& run, Committed& committed) {
         const char* name;
         float size;
         glm::vec3 at;
+        unsigned morton_bits = 63;
     };
-    const Place places[] = {{"", 1.f, {}}, {"tiny ", 0x1p-40f, {}}, {"huge ", 0x1p20f, {}}, {"far ", 1.f, far_away}};
+    const Place places[] = {{"", 1.f, {}},
+                            {"tiny ", 0x1p-40f, {}},
+                            {"huge ", 0x1p20f, {}},
+                            {"far ", 1.f, far_away},
+                            {"coarse ", 1.f, {}, 30}};
     for (const BuilderTraits& traits : builders) {
         for (const Place& place : places) {
             std::string hashes;
             for (std::uint64_t seed = 0; seed < 60; ++seed) {
                 const Mesh mesh = translated(scaled(drawn_mesh(seed), place.size), place.at);
-                hashes += build(run, mesh, {.builder = traits.builder, .layout = Layout::binary}).hash();
+                hashes += build(run, mesh,
+                                {.builder = traits.builder, .morton_bits = place.morton_bits, .layout = Layout::binary})
+                              .hash();
             }
             committed.compare(std::string("drawn ") + place.name + "trees " + traits.name, hashes);
         }

@@ -3,16 +3,32 @@
 #include <cmath>
 #include <numeric>
 
+#include "host/bvh/host_tree.hpp"
 #include "host/verify/cases/cases.hpp"
 #include "host/verify/oracle.hpp"
 #include "host/verify/shapes.hpp"
 
 namespace claray::verify {
+namespace {
+
+struct NamedTree {
+    std::string name;
+    Bvh tree;
+};
+
+/// In both layouts, and as a first picture traces it: built by the host, with kernels of their own.
+std::vector<NamedTree> trees_of(const Run& run, const Mesh& mesh) {
+    std::vector<NamedTree> trees;
+    for (const auto& [layout, name] : layouts) trees.push_back({name, build(run, mesh, {.layout = layout})});
+    trees.push_back({"first picture", build_by_host(run.device(), std::span(&mesh, 1), {})});
+    return trees;
+}
+
+}  // namespace
 
 void judge(Run& run, const Mesh& mesh, const std::vector<Ray>& rays, const std::string& what, std::size_t least_hits) {
     const Oracle oracle(std::span(&mesh, 1));
-    for (const auto& [layout, name] : layouts) {
-        const Bvh bvh = build(run, mesh, {.layout = layout});
+    for (const auto& [name, bvh] : trees_of(run, mesh)) {
         const auto hits = closest_hit(bvh, rays);
         const Oracle::Verdict verdict = oracle.judge(rays, hits);
         const std::string title = (what.empty() ? "" : what + ", ") + name;
