@@ -1,8 +1,11 @@
 // What choosing by target holds of what it promises, at small sizes:
-//   bench_target coverage|sweep|time|overhead [--size N] [--seeds N] [--adaptive] [--references FOLDER] [--csv FILE]
-// coverage: renders to an error, of five scenes and three targets, against references: how many reach it, and by how
-// much. sweep: what an error costs by the planner's choice, over what it costs by every fixed choice of builder and
-// sampler. time: how well times are kept. overhead: what measuring takes.
+//   bench_target coverage|intervals|sweep|time|overhead [--scenes NAME,...] [--targets E,...] [--size N] [--seeds N]
+//   [--adaptive]
+//       [--references FOLDER] [--csv FILE]
+// coverage: renders to an error, against references: how many reach it, by how much, and with how many more samples
+// than needed. intervals: how many pixels have their true luminance within Renderer::error_map, and how well the error
+// of a denoised image is predicted. sweep: what an error costs by the planner's choice, over what it costs by every
+// fixed choice of builder and sampler. time: how well times are kept. overhead: what measuring takes.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -20,13 +23,12 @@ namespace {
 
 struct Options {
     std::string device, csv, references;
-    unsigned size = 48, seeds = 7;
+    std::vector<std::string> scenes = {"cornell", "spheres", "crate", "hills", "terrain:2000"};
+    std::vector<double> targets = {0.08, 0.04, 0.02};
+    unsigned size = 48, seeds = 7, spp = 256;
     bool adaptive = false;
     std::vector<double> times = {0.5, 2, 10, 60};
 };
-
-constexpr const char* scenes[] = {"cornell", "spheres", "crate", "hills", "terrain:2000"};
-constexpr double targets[] = {0.08, 0.04, 0.02};
 
 Scene scene_of(const std::string& name) {
     Warnings warnings;
@@ -44,43 +46,115 @@ ReferenceImage reference_of(const Device& device, const Scene& scene, const Opti
                            {.least_spp = 4096, .uncertainty = error, .folder = options.references});
 }
 
+/// One render to an error.
+struct Trial {
+    double error = 0, estimate = 0, of_half = 0;  // of_half: error after half of the samples
+    unsigned spp = 0;
+    bool is_sure = true;  // fireflies have little of the error
+};
+
+Trial trial_of(Renderer& renderer, const ReferenceImage& reference, unsigned width) {
+    const RenderProgress reached = renderer.render();
+    return {true_error(renderer.image(), reference, width), reached.error, 0, reached.spp, reached.error_is_sure()};
+}
+
+/// The samples by which these trials would have reached the target on average, if their squared error falls on as
+/// between half of the samples and all.
+double least_samples(const std::vector<Trial>& trials, double target) {
+    double squares = 0, of_half = 0, logarithm = 0;
+    for (const Trial& t : trials)
+        squares += t.error * t.error, of_half += t.of_half * t.of_half, logarithm += std::log(t.spp);
+    const double power = std::clamp(std::log2(of_half / squares), 0.8, 2.0), count = double(trials.size());
+    return std::exp(logarithm / count) * std::pow(squares / count / (target * target), 1 / power);
+}
+
 void coverage(const Device& device, const Options& options) {
-    measure::Csv csv(options.csv, device, "scene,target,seed,spp,estimate,bound,error");
-    unsigned runs = 0, held = 0, wasteful = 0;
-    double least = INFINITY;
-    std::printf("%-14s %7s %6s %9s %9s %9s %9s\n", "scene", "target", "held", "least/E", "median/E", "most/E", "spp");
-    for (const char* name : scenes) {
+    measure::Csv csv(options.csv, device, "scene,target,seed,spp,estimate,error,error_at_half,sure");
+    unsigned runs = 0, held = 0, unsure = 0;
+    std::vector<double> costs;
+    std::printf("%-18s %7s %6s %6s %9s %9s %11s %7s %10s\n", "scene", "target", "held", "unsure", "median/E", "most/E",
+                "estimate/e", "spp", "over least");
+    for (const std::string& name : options.scenes) {
         const Scene scene = scene_of(name);
-        const ReferenceImage reference = reference_of(device, scene, options, targets[2] / 8);
-        for (const double target : targets) {
-            std::vector<double> ratios, spp;
+        const double finest = *std::min_element(options.targets.begin(), options.targets.end());
+        const ReferenceImage reference = reference_of(device, scene, options, finest / 8);
+        for (const double target : options.targets) {
+            std::vector<Trial> trials;
+            std::vector<double> ratios, estimates, spp;
+            unsigned good = 0, unsure_here = 0;
             for (unsigned seed = 0; seed < options.seeds; ++seed) {
-                Renderer renderer(device, scene,
-                                  {.width = options.size,
-                                   .height = options.size,
-                                   .spp = 1u << 24,
-                                   .seed = 1000 + seed,
-                                   .error = target,
-                                   .adaptive = options.adaptive});
-                const RenderProgress reached = renderer.render();
-                const double error = true_error(renderer.image(), reference, options.size);
-                csv.row(name, target, seed, reached.spp, reached.error, reached.error_bound, error);
-                ratios.push_back(error / target), spp.push_back(reached.spp);
-                if (reached.spp > 4 && error < target / 3) ++wasteful;
-                if (reached.spp > 4) least = std::min(least, error / target);
+                RenderConfig config{.width = options.size,
+                                    .height = options.size,
+                                    .spp = 1u << 24,
+                                    .seed = 1000 + seed,
+                                    .error = target};
+                config.adaptive = options.adaptive;
+                Renderer renderer(device, scene, config);
+                Trial trial = trial_of(renderer, reference, options.size);
+                renderer.restart(config.seed, std::max(1u, trial.spp / 2));
+                renderer.render();
+                trial.of_half = true_error(renderer.image(), reference, options.size);
+                csv.row(name, target, seed, trial.spp, trial.estimate, trial.error, trial.of_half, trial.is_sure);
+                trials.push_back(trial);
+                ratios.push_back(trial.error / target), estimates.push_back(trial.estimate / trial.error),
+                    spp.push_back(trial.spp);
+                unsure_here += !trial.is_sure, good += trial.is_sure && trial.error <= target;
             }
-            const auto good = unsigned(std::count_if(ratios.begin(), ratios.end(), [](double r) { return r <= 1; }));
-            runs += options.seeds, held += good;
-            const auto [low, high] = std::minmax_element(ratios.begin(), ratios.end());
-            std::printf("%-14s %7.3f %4u/%u %9.3f %9.3f %9.3f %9.0f\n", name, target, good, options.seeds, *low,
-                        measure::median(ratios), *high, measure::median(spp));
+            runs += options.seeds, held += good, unsure += unsure_here;
+            costs.push_back(measure::median(spp) / least_samples(trials, target));
+            std::printf("%-18s %7.3f %4u/%u %6u %9.3f %9.3f %11.3f %7.0f %10.2f\n", name.c_str(), target, good,
+                        options.seeds - unsure_here, unsure_here, measure::median(ratios),
+                        *std::max_element(ratios.begin(), ratios.end()), measure::median(estimates),
+                        measure::median(spp), costs.back());
             std::fflush(stdout);
         }
     }
     std::printf(
-        "%u of %u runs are within their target; the least error is %.2f of it where there are more than 4 spp, "
-        "%u are below a third\n",
-        held, runs, least, wasteful);
+        "%u of %u renders without much error by fireflies are within their target (%.1f %%), %u are unsure; samples "
+        "over the least: "
+        "median %.2f, most %.2f\n",
+        held, runs - unsure, 100.0 * held / std::max(1u, runs - unsure), unsure, measure::median(costs),
+        *std::max_element(costs.begin(), costs.end()));
+    csv.write();
+}
+
+double luminance_of(const glm::vec3& c) { return 0.2126 * double(c.x) + 0.7152 * double(c.y) + 0.0722 * double(c.z); }
+
+/// The part of the pixels whose true luminance is within their intervals.
+double share_within(const std::vector<glm::vec3>& image, const std::vector<float>& widths,
+                    const std::vector<glm::vec3>& truth) {
+    unsigned within = 0;
+    for (std::size_t i = 0; i < image.size(); ++i)
+        within += std::abs(luminance_of(image[i]) - luminance_of(truth[i])) <= double(widths[i]);
+    return double(within) / double(image.size());
+}
+
+void intervals(const Device& device, const Options& options) {
+    measure::Csv csv(options.csv, device, "scene,spp,seed,error,within,denoised_error,predicted");
+    std::printf("%-18s %5s %9s %9s %15s %18s\n", "scene", "spp", "error", "within", "denoised error",
+                "predicted/error");
+    for (const std::string& name : options.scenes) {
+        const Scene scene = scene_of(name);
+        RenderConfig config{.width = options.size, .height = options.size, .spp = options.spp};
+        const ReferenceImage reference =
+            reference_image(device, scene, config, {.least_spp = 64 * options.spp, .folder = options.references});
+        std::vector<double> errors, shares, denoised_errors, predictions;
+        for (unsigned seed = 0; seed < options.seeds; ++seed) {
+            config.seed = 1000 + seed;
+            Renderer renderer(device, scene, config);
+            renderer.render();
+            const std::vector<glm::vec3> image = renderer.image(), denoised = renderer.denoised(DenoiserKind::claray);
+            errors.push_back(true_error(image, reference, options.size));
+            shares.push_back(share_within(image, renderer.error_map(), reference.pixels));
+            denoised_errors.push_back(true_error(denoised, reference, options.size));
+            predictions.push_back(renderer.error_of(denoised) / denoised_errors.back());
+            csv.row(name, options.spp, seed, errors.back(), shares.back(), denoised_errors.back(), predictions.back());
+        }
+        std::printf("%-18s %5u %7.2f %% %9.3f %13.2f %% %18.2f\n", name.c_str(), options.spp,
+                    100 * measure::median(errors), measure::median(shares), 100 * measure::median(denoised_errors),
+                    measure::median(predictions));
+        std::fflush(stdout);
+    }
     csv.write();
 }
 
@@ -194,8 +268,8 @@ void times(const Device& device, const Options& options) {
 void overhead(const Device& device, const Options& options) {
     measure::Csv csv(options.csv, device, "scene,target,spp,seconds,measuring_seconds,seconds_without");
     std::printf("%-14s %5s %6s %9s %13s %21s\n", "scene", "error", "spp", "seconds", "measuring", "seconds without");
-    for (const char* name : scenes)
-        for (const double target : targets) {
+    for (const std::string& name : options.scenes)
+        for (const double target : options.targets) {
             const Scene scene = scene_of(name);
             RenderConfig config{.width = options.size, .height = options.size, .spp = 1u << 24, .error = target};
             Renderer looking(device, scene, config);
@@ -212,10 +286,10 @@ void overhead(const Device& device, const Options& options) {
             }
             const double took = measure::median(seconds), look = measure::median(measuring),
                          blindly = measure::median(without);
-            std::printf("%-14s %5.2f %6u %9.4f %6.2f ms %.2f %% %9.4f, %+.1f %%\n", name, target, config.spp, took,
-                        1e3 * look, 100 * look / took, blindly, 100 * (took / blindly - 1));
+            std::printf("%-14s %5.2f %6u %9.4f %6.2f ms %.2f %% %9.4f, %+.1f %%\n", name.c_str(), target, config.spp,
+                        took, 1e3 * look, 100 * look / took, blindly, 100 * (took / blindly - 1));
             std::fflush(stdout);
-            csv.row(name, target, config.spp, took, look, blindly);
+            csv.row(name.c_str(), target, config.spp, took, look, blindly);
         }
     csv.write();
 }
@@ -228,7 +302,10 @@ int main(int argc, char** argv) try {
     app.require_subcommand(1);
     app.fallthrough();
     app.add_option("--device", options.device, "cpu, gpu, an index or part of a name");
+    app.add_option("--scenes", options.scenes, "Scenes of coverage")->delimiter(',');
+    app.add_option("--targets", options.targets, "Errors of coverage")->delimiter(',');
     app.add_option("--size", options.size, "Pixels a side [48]");
+    app.add_option("--spp", options.spp, "Samples per pixel of intervals [256]");
     app.add_option("--seeds", options.seeds, "Renders of each scene and target [7]");
     app.add_flag("--adaptive", options.adaptive, "coverage: with adaptive sampling");
     app.add_option("--references", options.references, "Where references are kept");
@@ -242,6 +319,7 @@ int main(int argc, char** argv) try {
     };
     app.add_option("--times", options.times, "Seconds to render for [0.5 2 10 60]")->delimiter(',');
     add("coverage", "Errors reached against errors asked for", coverage);
+    add("intervals", "Pixels within their intervals, and errors of denoised images", intervals);
     add("sweep", "The planner against every fixed choice", sweep);
     add("time", "Times kept against times asked for", times);
     add("overhead", "What measuring takes", overhead);

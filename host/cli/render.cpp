@@ -119,7 +119,7 @@ void warn_of_picture_options(const RenderOptions& options) {
 }
 
 /// The image and its AOVs. Returns whether the image was written.
-bool write_rendered(const PictureJob& job, const Renderer& renderer, const std::vector<glm::vec3>& pixels,
+bool write_rendered(const PictureJob& job, Renderer& renderer, const std::vector<glm::vec3>& pixels,
                     RenderOptions options, Writes& writes) {
     if (job.add_to_video) {
         job.add_to_video(pixels);  // no later frame could follow one that is missing
@@ -143,10 +143,10 @@ bool render_picture(const PictureJob& job, const Scene& scene, RenderOptions opt
     } else if (options.picks_builder) {
         config.bvh.builder = choose_builder_for_samples(device, scene, config);
     }
-    const PictureRenderer picture(job, scene, config);
+    PictureRenderer picture(job, scene, config);
 
     const Outcome outcome = run_renderer(job, picture, options, plan ? &*plan : nullptr);
-    const Renderer& renderer = picture.renderer();
+    Renderer& renderer = picture.renderer();
     const std::vector<DeviceShare> shares = picture.group ? picture.group->shares() : std::vector<DeviceShare>();
     const Denoised denoised = denoise(renderer, options);
     const std::vector<glm::vec3> pixels = options.denoiser ? denoised.image : renderer.image();

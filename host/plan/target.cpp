@@ -257,8 +257,10 @@ std::string account_of(const TargetPlan& plan, const RenderProgress& reached) {
             text += printed(" (predicted: %s)", duration_text(plan.promised_seconds).c_str());
         if (reached.error_bound == 0)
             return text + printed(": %u samples per pixel are too few to estimate the error", reached.spp);
-        return text +
-               printed(": about %.3g, and less than %.3g in 95 of 100 renders", reached.error, reached.error_bound);
+        text += printed(": about %.3g, and less than %.3g in 98 of 100 renders", reached.error, reached.error_bound);
+        if (reached.error_is_sure()) return text;
+        return text + printed("; uncertain, since single bright pixels have %.0f %% of the squared error",
+                              100 * reached.error_of_fireflies);
     }
     return printed("time of %s: %s, %u samples per pixel", duration_text(plan.config.seconds).c_str(),
                    duration_text(reached.seconds).c_str(), reached.spp);

@@ -95,28 +95,24 @@ RenderedFrame rendered_from(const std::string& bytes) {
     return f;
 }
 
-std::string to_bytes(const RemoteOrder& order) {
-    return bytes_of(order.task, order.device, order.order, order.sums.pixels, order.sums.odd);
-}
+std::string to_bytes(const RemoteOrder& order) { return bytes_of(order.task, order.device, order.order, order.sums); }
 
 RemoteOrder order_from(const std::string& bytes) {
     RemoteOrder order;
-    read(bytes, order.task, order.device, order.order, order.sums.pixels, order.sums.odd);
+    read(bytes, order.task, order.device, order.order, order.sums);
     if (order.order.kind > Order::Kind::give) refuse_message("has an order of no kind");
     return order;
 }
 
 std::string to_bytes(const RemoteReport& remote) {
     const Report& r = remote.report;
-    return bytes_of(remote.task, r.worker, r.kind, r.first_paths, r.most_paths, r.seconds, r.sums.pixels, r.sums.odd,
-                    r.error, r.what);
+    return bytes_of(remote.task, r.worker, r.kind, r.first_paths, r.most_paths, r.seconds, r.sums, r.error, r.what);
 }
 
 RemoteReport report_from(const std::string& bytes) {
     RemoteReport remote;
     Report& r = remote.report;
-    read(bytes, remote.task, r.worker, r.kind, r.first_paths, r.most_paths, r.seconds, r.sums.pixels, r.sums.odd,
-         r.error, r.what);
+    read(bytes, remote.task, r.worker, r.kind, r.first_paths, r.most_paths, r.seconds, r.sums, r.error, r.what);
     if (r.kind > Report::Kind::failed) refuse_message("has a report of no kind");
     if (!is_duration(r.seconds)) refuse_message("has a time of " + std::to_string(r.seconds) + " s");
     check_failure({int(r.error), r.what});

@@ -50,7 +50,7 @@ struct RenderedFrame {
 struct RemoteOrder {
     std::uint32_t task = 0, device = 0;  // `device`: of the rank
     Order order;
-    Film::Sums sums;
+    std::vector<FilmPixel> sums;
 };
 [[nodiscard]] std::string to_bytes(const RemoteOrder& order);
 [[nodiscard]] RemoteOrder order_from(const std::string& bytes);

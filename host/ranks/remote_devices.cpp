@@ -20,7 +20,7 @@ public:
 
     [[nodiscard]] const std::string& name() const override { return name_; }
     [[nodiscard]] std::size_t most_orders() const override { return most_remote_orders; }
-    void carry_out(const Order& order, Film::Sums sums) override {
+    void carry_out(const Order& order, std::vector<FilmPixel> sums) override {
         session_.send(rank_, MessageKind::order, to_bytes(RemoteOrder{task_, device_, order, std::move(sums)}));
     }
 

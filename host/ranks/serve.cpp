@@ -34,7 +34,7 @@ public:
         const std::uint64_t end = std::uint64_t(batch.first_pixel) + batch.pixels;
         if (order.task != task_.number || order.device >= workers_.size() || batch.pixels == 0 ||
             end > std::uint64_t(task_.config.width) * task_.config.height ||
-            (order.order.brings_sums && order.sums.pixels.size() != batch.pixels))
+            (order.order.brings_sums && order.sums.size() != batch.pixels))
             refuse_message("orders what is not there");
         has_begun_ = true;
         workers_[order.device]->carry_out(order.order, std::move(order.sums));

@@ -64,7 +64,7 @@ void Renderer::State::discard_samples() {
     sampling.schedule = new_schedule();
     film.clear();
     if (sampling.guide) sampling.guide->forget();
-    error.looks = {}, error.last = {}, error.spp = 0;
+    error.progress = {};
     time.begin.reset();
     if (outputs.denoising) outputs.denoising->start_film();
 }
@@ -140,7 +140,7 @@ void Renderer::State::trace(const Batch& batch, InFlight& in_flight) {
 
 /// A full disk must not end a render of hours: writing is tried again, and the last failure is reported.
 void Renderer::State::save_checkpoint() {
-    const Checkpoint checkpoint{sampling.schedule.position(), error.looks, film.sums()};
+    const Checkpoint checkpoint{sampling.schedule.position(), error.progress, film.sums()};
     try {
         write_checkpoint(config.checkpoint, outputs.checkpoints.identity, checkpoint);
         outputs.checkpoints.error.clear();
@@ -245,7 +245,7 @@ void Renderer::resize(unsigned width, unsigned height) {
     state.config.width = width, state.config.height = height;
     state.wavefront.resize(width, height, std::uint64_t(state.pixels()) * state.sampling.most_spp);
     state.look_through(state.source.camera);
-    state.film = Film(state.device, state.pixels(), tells_error(state.config), state.config.sample_clamp);
+    state.film = Film(state.device, state.pixels(), state.config.sample_clamp);
     state.sampling.pace = Pace(state.first_paths(), state.wavefront.queues.capacity);
     state.kernels.of_paths.reset();
     state.error.cut_off.reset();

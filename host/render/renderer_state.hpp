@@ -13,6 +13,7 @@
 #include "host/render/checkpoint/checkpoint.hpp"
 #include "host/render/deferred/gbuffer.hpp"
 #include "host/render/denoising_stage.hpp"
+#include "host/render/film/error_estimate.hpp"
 #include "host/render/film/film.hpp"
 #include "host/render/film/tone_map.hpp"
 #include "host/render/guiding/path_guide.hpp"
@@ -112,9 +113,7 @@ struct RenderOutputs {
 
 /// The estimates of a render's error.
 struct ErrorEstimates {
-    ErrorLooks looks;
-    Film::Error last;
-    unsigned spp = 0;               // samples per pixel at that time
+    ErrorProgress progress;
     bool is_new = false;            // not reported yet
     double measuring_seconds = 0;   // for noise and error
     std::optional<double> cut_off;  // once it was asked for
@@ -197,9 +196,27 @@ struct Renderer::State {
         const double least_gain = device.tuning("render/adaptive", "LEAST_GAIN_PERCENT") / 100.0;
         return {config.width, config.height, config.spp, wavefront.queues.capacity, config.adaptive, least_gain};
     }
+    /// Of the lists of rounds of adaptive sampling, and behind them of control pixels.
     [[nodiscard]] std::uint32_t words_of_listed_pixels() const {
+        return words_of_rounds() + words_of_listed_controls();
+    }
+    [[nodiscard]] std::uint32_t words_of_rounds() const {
         return config.adaptive ? AdaptiveSchedule::words_per_pixel * pixels() : 0;
     }
+
+    // controls.cpp
+    [[nodiscard]] std::uint32_t words_of_listed_controls() const { return 4 * std::min(most_control_pixels, pixels()); }
+    /// What the film tells, with control pixels that have as many samples. `image` is valid until it is read again.
+    struct ErrorLook {
+        std::vector<float> variances, expected;
+        std::span<const glm::vec3> image;
+    };
+    [[nodiscard]] ErrorLook look_at_controls();
+    /// Takes the samples of the control pixels that the image has and they have not.
+    void sample_controls();
+    void trace_controls(const Batch& all, Film& film, std::uint32_t first_entry, std::uint32_t listed);
+    void trace_beside(const Batch& batch, const std::function<void(const Batch&)>& add);
+
     void plan_round();
     void list_pixels() const;
     /// Samples of all pixels.

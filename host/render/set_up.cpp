@@ -113,7 +113,7 @@ Renderer::State::State(const Device& on, const Scene& scene, const RenderConfig&
               words_of_guide()),
       wavefront(buffers, frame_data(scene, source.camera, buffers, with), load_kernels(kernels.plan.first.effects),
                 std::uint64_t(pixels()) * with.spp),
-      film(on, pixels(), tells_error(with), with.sample_clamp),
+      film(on, pixels(), with.sample_clamp),
       sampling{
           .schedule = new_schedule(), .pace = Pace(first_paths(), wavefront.queues.capacity), .most_spp = with.spp} {
     for (const char* name : {trace_camera_name, trace_bounce_name, trace_shadow_name, trace_paths_name})
@@ -165,7 +165,7 @@ Renderer::Renderer(const Device& device, const Scene& scene, const RenderConfig&
                         "': the file is damaged: its position is outside the image",
                     "render from the start");
     state_->list_pixels();
-    state_->error.looks = from->looks;
+    state_->error.progress = from->error;
     state_->film.set_sums(from->sums);
 }
 

@@ -39,8 +39,14 @@ RenderProgress Renderer::State::measure() {
     progress.spp_target = config.spp;
     const Film::Noise noise = timed([&] { return film.noise(); });
     progress.noise = noise.relative * noise_over_halves();
-    progress.error = error.last.estimate, progress.error_bound = error.last.bound;
-    progress.error_spp = error.spp, progress.cut_off = error.cut_off.value_or(0);
+    const ErrorProgress& told = error.progress;
+    progress.cut_off = error.cut_off.value_or(0);
+    if (told.last.square > 0) {
+        progress.error = std::hypot(std::sqrt(told.last.square), progress.cut_off);
+        progress.error_bound = std::hypot(std::sqrt(told.bound()), progress.cut_off);
+        progress.error_of_fireflies = told.last.fireflies;
+    }
+    progress.error_spp = told.spp;
     progress.own_kernels = kernels.are_own;
     progress.waits_for_kernels = kernels.compiler.is_waited_for;
     progress.dropped_samples = noise.dropped;
@@ -83,24 +89,22 @@ void Renderer::State::list_pixels() const {
 bool Renderer::State::error_met() {
     const unsigned spp = sampling.schedule.complete_passes_spp();
     const double noise = error_left_to_noise();
-    if (spp >= error.looks.next(noise)) {
-        look_at_error(spp);
-        if (error.last.bound > 0 && error.last.bound <= config.error) return true;
-    }
-    const std::uint32_t next = error.looks.next(noise);
+    if (spp >= error.progress.next(noise)) look_at_error(spp);
+    const std::uint32_t next = error.progress.next(noise);
+    if (error.progress.spp == spp && next == spp) return true;
     if (next > spp) sampling.schedule.limit_pass(next - spp);
     return false;
 }
 
 void Renderer::State::look_at_error(unsigned spp) {
-    error.spp = spp, error.is_new = true;
-    error.last = timed([&] { return film.error(error.looks, spp); });
-    if (error.last.bound > 0) {
-        error.last.estimate = std::hypot(error.last.estimate, cut_off());
-        error.last.bound = std::hypot(error.last.bound, cut_off());
-        return;
-    }
-    if (spp < spp_that_see_light) return;
+    if (error.progress.spp == spp) return;
+    error.is_new = true;
+    const ErrorEstimate found = timed([&] {
+        const ErrorLook look = look_at_controls();
+        return estimate_error(look.image, look.variances, look.expected, error.progress.controls);
+    });
+    error.progress.add(found, spp);
+    if (error.progress.last.square > 0 || spp < spp_that_see_light) return;
     throw Error(claray::ErrorKind::user,
                 "the image is black after " + std::to_string(spp) +
                     " samples per pixel: an error relative to its mean is undefined",

@@ -39,7 +39,7 @@ DeviceWorker::~DeviceWorker() {
     thread_.join();
 }
 
-void DeviceWorker::carry_out(const Order& order, Film::Sums sums) {
+void DeviceWorker::carry_out(const Order& order, std::vector<FilmPixel> sums) {
     {
         const std::lock_guard lock(mutex_);
         jobs_.push_back({order, std::move(sums), Clock::now()});
@@ -58,10 +58,9 @@ std::optional<DeviceWorker::Job> DeviceWorker::next_job() {
 
 /// Into memory of its own: a device that fails while it reads must not spoil earlier sums. It is page-locked on GPUs,
 /// since an H200 copies to other memory, also to that which another GPU has locked, at 1.4 instead of 50 GB/s.
-Film::SumsSpan DeviceWorker::read_sums(std::uint32_t first, std::uint32_t pixels) {
-    if (!staging_ || staging_->pixels() < pixels)
-        staging_.emplace(&device_, pixels, tells_error(config_), Film::Sums());
-    const Film::SumsSpan sums = staging_->at(0, pixels);
+std::span<FilmPixel> DeviceWorker::read_sums(std::uint32_t first, std::uint32_t pixels) {
+    if (!staging_ || staging_->pixels() < pixels) staging_.emplace(&device_, pixels, std::span<const FilmPixel>());
+    const std::span<FilmPixel> sums = staging_->at(0, pixels);
     state_of(*renderer_).film.read_sums(sums, first);
     return sums;
 }
@@ -70,7 +69,7 @@ Film::SumsSpan DeviceWorker::read_sums(std::uint32_t first, std::uint32_t pixels
 /// some copies, since the first one allocates, and others may be interrupted.
 double DeviceWorker::measure_handover() {
     const std::uint32_t pixels = std::min(state_of(*renderer_).pixels(), pixels_of_trial);
-    const GroupSums some(nullptr, pixels, tells_error(config_), {});
+    const GroupSums some(nullptr, pixels, {});
     double least = 1e9;
     for (int copy = 0; copy < 4; ++copy) {
         const Clock::time_point begin = Clock::now();
@@ -129,9 +128,8 @@ void DeviceWorker::carry_out(const Job& job) {
         Mark(device_).wait();
         return report_done(job.sent);
     }
-    const Film::SumsSpan read = read_sums(batch.first_pixel, batch.pixels);
-    if (shared_ == nullptr)
-        return report_done(job.sent, {{read.pixels.begin(), read.pixels.end()}, {read.odd.begin(), read.odd.end()}});
+    const std::span<FilmPixel> read = read_sums(batch.first_pixel, batch.pixels);
+    if (shared_ == nullptr) return report_done(job.sent, {read.begin(), read.end()});
     shared_->write(batch.first_pixel, read);
     report_done(job.sent);
 }
@@ -145,7 +143,7 @@ void DeviceWorker::render(const Batch& all) {
     state.choose_kernels(samples_ >= state.pixels());
 }
 
-void DeviceWorker::report_done(Clock::time_point sent, Film::Sums sums) {
+void DeviceWorker::report_done(Clock::time_point sent, std::vector<FilmPixel> sums) {
     const Clock::time_point now = Clock::now(), from = std::max(last_done_, sent);
     last_done_ = now;
     Report report{number_, Report::Kind::done};

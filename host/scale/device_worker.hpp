@@ -21,7 +21,7 @@ public:
     ~DeviceWorker() override;
 
     [[nodiscard]] const std::string& name() const override { return device_.info().name; }
-    void carry_out(const Order& order, Film::Sums sums) override;
+    void carry_out(const Order& order, std::vector<FilmPixel> sums) override;
     [[nodiscard]] std::size_t most_orders() const override { return 2; }
     /// Must be used only when the worker is ready and has no order.
     [[nodiscard]] Renderer& renderer() { return *renderer_; }
@@ -30,7 +30,7 @@ private:
     using Clock = std::chrono::steady_clock;
     struct Job {
         Order order;
-        Film::Sums sums;
+        std::vector<FilmPixel> sums;
         Clock::time_point sent;
     };
 
@@ -38,11 +38,11 @@ private:
     void set_up();
     [[nodiscard]] double measure_handover();
     /// Valid until the next call.
-    [[nodiscard]] Film::SumsSpan read_sums(std::uint32_t first, std::uint32_t pixels);
+    [[nodiscard]] std::span<FilmPixel> read_sums(std::uint32_t first, std::uint32_t pixels);
     [[nodiscard]] std::optional<Job> next_job();
     void carry_out(const Job& job);
     void render(const Batch& batch);
-    void report_done(Clock::time_point sent, Film::Sums sums = {});
+    void report_done(Clock::time_point sent, std::vector<FilmPixel> sums = {});
 
     Device device_;
     const Scene& scene_;

@@ -77,7 +77,7 @@ struct RenderGroup::State {
     Inbox inbox;
     std::vector<Member> members;  // after the inbox, to which they post until they end
     std::optional<Dealer> dealer;
-    ErrorLooks looks;  // of the last lead
+    ErrorProgress error;  // of the last lead
     std::size_t led_by = 0, next_dealt = 0;
     std::optional<Clock::time_point> begin;
     RenderProgress measured;  // when the last decision was taken

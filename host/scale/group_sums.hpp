@@ -11,21 +11,18 @@ namespace claray {
 class GroupSums {
 public:
     GroupSums() = default;
-    /// Zeros, or `from` where it has sums. `odd`: whether there are sums of samples of odd index. `device`: which
-    /// copies to this memory fast, or null.
-    GroupSums(const Device* device, std::size_t pixels, bool odd, const Film::Sums& from);
+    /// Zeros, or `from` where it has sums. `device`: which copies to this memory fast, or null.
+    GroupSums(const Device* device, std::size_t pixels, std::span<const FilmPixel> from);
 
     [[nodiscard]] std::size_t pixels() const { return pixels_.size(); }
     /// Those of `pixels` pixels from `first` on. The caller takes care that nobody else writes them.
-    [[nodiscard]] Film::SumsSpan at(std::size_t first, std::size_t pixels) const;
-    void write(std::size_t first, const Film::ConstSumsSpan& sums) const;
-    [[nodiscard]] Film::Sums copy(std::size_t first, std::size_t pixels) const;
+    [[nodiscard]] std::span<FilmPixel> at(std::size_t first, std::size_t pixels) const;
+    void write(std::size_t first, std::span<const FilmPixel> sums) const;
 
 private:
     std::optional<HostMemory> fast_;
     std::vector<std::uint8_t> plain_;
     std::span<FilmPixel> pixels_;
-    std::span<ColorSum> odd_;
 };
 
 }  // namespace claray

@@ -83,15 +83,14 @@ RenderGroup::State::State(const std::vector<Device>& devices, const Scene& of, c
                     "cannot continue from '" + config.resume.string() + "': it is of adaptive sampling",
                     "continue on one device with --adaptive");
     if (saves) check_file_writable(config.checkpoint);
-    looks = start.looks;
+    error = start.error;
     for (const Device& device : devices)
         add([&](Inbox& in, std::size_t number) {
             return std::make_unique<DeviceWorker>(device, scene, config, in, number, &sums);
         });
     // An H200 fills its film three times as fast from memory that it has page-locked.
     const bool is_gpu = devices.front().info().type == DeviceType::gpu;
-    sums = GroupSums(is_gpu ? &devices.front() : nullptr, std::size_t(config.width) * config.height,
-                     tells_error(config), start.sums);
+    sums = GroupSums(is_gpu ? &devices.front() : nullptr, std::size_t(config.width) * config.height, start.sums);
 }
 
 void RenderGroup::State::add(const std::function<std::unique_ptr<Worker>(Inbox&, std::size_t)>& make) {
@@ -152,11 +151,11 @@ bool RenderGroup::State::raise_limit() {
     const std::uint32_t done = dealer->limit();
     if (!has_targets()) return done < config.spp;
     Renderer::State& state = state_of(lead().renderer());
-    state.error.looks = looks, state.time.begin = begin;
+    state.error.progress = error, state.time.begin = begin;
     state.sampling.schedule = state.new_schedule();
     (void)state.sampling.schedule.go_to({{done, 0, 0, 0}, {}});
     const bool met = state.target_met();
-    looks = state.error.looks, measured = state.measure();
+    error = state.error.progress, measured = state.measure();
     if (met) return false;
     dealer->set_limit(done + state.sampling.schedule.pass_samples());
     return true;
@@ -226,7 +225,12 @@ void RenderGroup::State::send(Member& member, const Order& order) {
     if (member.orders.empty()) member.since = Clock::now();
     member.orders.push_back(order);
     const bool sends_sums = order.brings_sums && member.device == nullptr;
-    member.worker->carry_out(order, sends_sums ? sums.copy(order.batch.first_pixel, order.batch.pixels) : Film::Sums());
+    std::vector<FilmPixel> sent;
+    if (sends_sums) {
+        const std::span<FilmPixel> some = sums.at(order.batch.first_pixel, order.batch.pixels);
+        sent.assign(some.begin(), some.end());
+    }
+    member.worker->carry_out(order, std::move(sent));
 }
 
 void RenderGroup::State::take_report(std::chrono::microseconds most) {
@@ -260,14 +264,14 @@ bool RenderGroup::State::fits(const Member& member, const Report& report) const 
     const Order& order = member.orders.front();
     const bool brings_sums = member.device == nullptr && order.kind != Order::Kind::render;
     const std::size_t pixels = brings_sums ? order.batch.pixels : 0;
-    return report.sums.pixels.size() == pixels && report.sums.odd.size() == (tells_error(config) ? pixels : 0);
+    return report.sums.size() == pixels;
 }
 
 void RenderGroup::State::take_done(Member& member, Report& report) {
     const Order order = member.orders.front();
     member.orders.pop_front();
     member.since = Clock::now();
-    if (!report.sums.pixels.empty()) sums.write(order.batch.first_pixel, report.sums);
+    if (!report.sums.empty()) sums.write(order.batch.first_pixel, report.sums);
     dealer->done(member.number, order, report.seconds);
     lead_has_begun |= &member == &members[led_by];
 }
@@ -381,8 +385,8 @@ AdaptiveSchedule::Position position_after(const std::vector<PixelRun>& runs, con
 /// The lead's renderer is left as if it had rendered all samples.
 RenderProgress RenderGroup::State::hand_over() {
     Renderer::State& state = state_of(lead().renderer());
-    (void)state.sampling.schedule.go_to(position_after(dealer->rendered(), *dealer, looks.spp));
-    state.error.looks = looks, state.time.begin = begin;
+    (void)state.sampling.schedule.go_to(position_after(dealer->rendered(), *dealer, error.spp));
+    state.error.progress = error, state.time.begin = begin;
     RenderProgress progress = state.measure();
     if (dealer->least() == 0) progress.spp = 0;  // no whole image
     return progress;
@@ -404,14 +408,11 @@ void RenderGroup::State::keep_now_and_then() {
 /// left anything.
 void RenderGroup::State::save_checkpoint() {
     const std::vector<PixelRun> known = dealer->known();
-    Checkpoint checkpoint{position_after(known, *dealer, looks.spp), looks,
-                          sums.copy(0, std::size_t(config.width) * config.height)};
+    const std::span<FilmPixel> all = sums.at(0, sums.pixels());
+    Checkpoint checkpoint{position_after(known, *dealer, error.spp), error, {all.begin(), all.end()}};
     for (const PixelRun& run : known) {
         if (run.samples != 0) continue;
-        const auto clear = [&](auto& all) {
-            if (!all.empty()) std::fill_n(all.begin() + run.first, run.pixels, std::decay_t<decltype(all[0])>{});
-        };
-        clear(checkpoint.sums.pixels), clear(checkpoint.sums.odd);
+        std::fill_n(checkpoint.sums.begin() + run.first, run.pixels, FilmPixel{});
     }
     try {
         write_checkpoint(config.checkpoint, identity, checkpoint);

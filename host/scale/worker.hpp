@@ -26,7 +26,7 @@ struct Report {
     std::uint32_t first_paths = 0, most_paths = 0;  ///< of `ready`: see Dealer::add
     double handover = 0;                            ///< of `ready`: see Dealer::add
     double seconds = 0;                             ///< of `done`: see Dealer::done
-    Film::Sums sums = {};                           ///< of `done` for Order::Kind::read and give
+    std::vector<FilmPixel> sums = {};               ///< of `done` for Order::Kind::read and give
     ErrorKind error = ErrorKind::device;            ///< of `failed`
     std::string what = {};                          ///< of `failed`
 };
@@ -65,7 +65,7 @@ public:
 
     [[nodiscard]] virtual const std::string& name() const = 0;
     /// `sums`: those that the order brings. Asynchronous: the worker reports when the order is done.
-    virtual void carry_out(const Order& order, Film::Sums sums) = 0;
+    virtual void carry_out(const Order& order, std::vector<FilmPixel> sums) = 0;
     /// Orders that keep it busy while its reports and its next orders are on their way.
     [[nodiscard]] virtual std::size_t most_orders() const = 0;
 };

@@ -142,8 +142,11 @@ struct RenderProgress {
     /// Standard error of luminance, root mean square over pixels, over the mean; 0: unknown. With Sobol samples 0.9 to
     /// 1.5 times the true one (docs/accuracy.md).
     double noise = 0;
-    double error = 0;          ///< estimate of ImageError::rmse, if RenderConfig::error is set; 0: unknown
-    double error_bound = 0;    ///< upper bound of the error in most renders; compared with RenderConfig::error
+    double error = 0;               ///< estimate of ImageError::rmse, if RenderConfig::error is set; 0: unknown
+    double error_bound = 0;         ///< upper bound of the error in most renders; compared with RenderConfig::error
+    double error_of_fireflies = 0;  ///< the part of the squared error that single bright pixels have, 0 to 1
+    /// Returns false if fireflies make the error estimate uncertain: others may follow, or be missing.
+    [[nodiscard]] bool error_is_sure() const { return error_of_fireflies < 0.2; }
     unsigned error_spp = 0;    ///< samples per pixel at the time of the error estimate, between two passes
     double cut_off = 0;        ///< as Renderer::cut_off, if RenderConfig::error is set; included in both errors
     bool own_kernels = false;  ///< whether the scene's own kernels are in use (see RenderStatistics)
@@ -341,6 +344,14 @@ public:
     /// Returns the variance of each pixel's mean luminance over the square of the image's mean luminance: the mean over
     /// pixels with two samples or more is RenderProgress::noise squared. 0 for other pixels. Blocks.
     [[nodiscard]] std::vector<float> noise_map() const;
+    /// Returns half the width of each pixel's interval: 19 of 20 hold the pixel's true luminance, as long as no
+    /// fireflies are there (docs/accuracy.md). Renders some pixels again, 1,024 to 4,096, or takes those of
+    /// RenderConfig::error. Row by row from the top left; all 0 before the second sample. Blocks.
+    [[nodiscard]] std::vector<float> error_map();
+    /// Estimates the error of an image of this render, as ImageError::rmse; of one that is denoised, for example. 0 if
+    /// it is too small to tell. Renders pixels again as `error_map`. Throws ErrorKind::usage for an image of another
+    /// size. Blocks.
+    [[nodiscard]] double error_of(std::span<const glm::vec3> image);
     /// Returns the share of light that is missing because paths end after `RenderConfig::max_depth` surfaces, 0 to 1.
     /// An estimate: the light beyond that depth is extrapolated. The first call traces some thousand paths.
     [[nodiscard]] double cut_off() const;

@@ -140,21 +140,3 @@ void accumulate_film(Batch batch, global const uint* tables, uint listed, uint b
     for (uint word = own; word < words; word += GROUP_SIZE) to[word] = from[word];
 }
 #endif
-
-/// Sums only the samples of odd index, for the error of all channels; accumulate_film counts them. One kernel for both sums takes
-/// 1.5 times as long on PoCL.
-kernel void accumulate_odd(Batch batch, global const uint* tables, uint listed, uint begins, float limit,
-                           global const float* radiance, global ColorSum* odd) {
-    uint i = get_global_id(0);
-    if (i >= batch.pixels || !is_first_entry(batch, tables, listed, i)) return;
-    const uint at = film_pixel(batch, tables, listed, i);
-    ColorSum sum = NO_COLOR;
-    if (!begins) sum = odd[at];
-    do {
-        for (uint s = (batch.first_sample & 1) ^ 1; s < batch.samples; s += 2) {
-            const float3 sample = vload3(i * batch.samples + s, radiance);
-            if (can_be_summed(sample)) add_color(&sum, clamped(sample, limit));
-        }
-    } while (is_next_entry(batch, tables, listed, ++i));
-    odd[at] = sum;
-}

@@ -1,4 +1,4 @@
-// Estimates the noise and the error of an image: its samples of even and of odd index are two independent renders. For means A
+// Estimates the noise of an image: its samples of even and of odd index are two independent renders. For means A
 // and B of a and b samples, the expectation of (A - B)^2 a b / (a + b)^2 is the variance of the mean of all samples.
 #include "claray/shared/path.h"
 #include "math/vector.clh"
@@ -30,45 +30,25 @@ static inline void add_noise(NoiseSums* total, FilmPixel p, Halves h, float scal
     ++total->pixels;
 }
 
-/// For all channels.
-static inline void add_error(ErrorSums* total, ColorSum all, ColorSum odd, Halves h, float scale) {
-    const float3 even_sum = (summed_by(all) - summed_by(odd)) + (lost_by(all) - lost_by(odd));  // mutant: error-odd-half
-    const float3 difference = (even_sum * h.of_even - (summed_by(odd) + lost_by(odd)) * h.of_odd) * scale;
-    const float variance = dot_product(difference, difference) * h.of_square;
-    total->variance += variance;
-    total->squares += variance * variance;
-    total->value += dot_product((summed_by(all) + lost_by(all)) * h.of_all * scale, (float3)(1.0f));
-    ++total->pixels;
+static inline void add_sums(local NoiseSums* to, local const NoiseSums* from) {
+    to->variance += from->variance;
+    to->luminance += from->luminance;
+    to->pixels += from->pixels;
+    to->dropped += from->dropped;
 }
 
-static inline void add_sums(local FilmSums* to, local const FilmSums* from) {
-    to->noise.variance += from->noise.variance;
-    to->noise.luminance += from->noise.luminance;
-    to->noise.pixels += from->noise.pixels;
-    to->noise.dropped += from->noise.dropped;
-    to->error.variance += from->error.variance;
-    to->error.squares += from->error.squares;
-    to->error.value += from->error.value;
-    to->error.pixels += from->error.pixels;
-}
-
-/// Work-item w sums pixels w, w + items, ...; each work-group sums its items in local memory and writes one element of `sums`. The
-/// error is computed if `odd` holds the colours of the samples of odd index. `scale` keeps fourth powers within float32.
+/// Work-item w sums pixels w, w + items, ...; each work-group sums its items in local memory and writes one element of `sums`. `scale`
+/// keeps squares within float32.
 kernel __attribute__((reqd_work_group_size(CLARAY_SUM_GROUP, 1, 1)))
-void measure_film(global const FilmPixel* film, global const ColorSum* odd, uint has_odd, uint pixels, float scale, uint items,
-                  global FilmSums* sums) {
+void measure_film(global const FilmPixel* film, uint pixels, float scale, uint items, global NoiseSums* sums) {
     const uint item = get_global_id(0);
-    FilmSums total = {{0.0f, 0.0f, 0u, 0u}, {0.0f, 0.0f, 0.0f, 0u}};
+    NoiseSums total = {0.0f, 0.0f, 0u, 0u};
     for (uint i = item; item < items && i < pixels; i += items) {
         const FilmPixel p = film[i];
-        const ColorSum its_odd = odd[has_odd ? i : 0u];  // both loads are issued before either is used
-        total.noise.dropped += p.dropped;
-        if (p.odd_count == 0u || p.odd_count == p.count) continue;
-        const Halves halves = halves_of(p);
-        add_noise(&total.noise, p, halves, scale);
-        if (has_odd) add_error(&total.error, p.all, its_odd, halves, scale);
+        total.dropped += p.dropped;
+        if (p.odd_count != 0u && p.odd_count != p.count) add_noise(&total, p, halves_of(p), scale);
     }
-    local FilmSums group[CLARAY_SUM_GROUP];
+    local NoiseSums group[CLARAY_SUM_GROUP];
     const uint own = get_local_id(0);
     group[own] = total;
     for (uint left = CLARAY_SUM_GROUP / 2; left > 0; left /= 2) {

@@ -84,6 +84,13 @@ class Renderer(Handle):
         and 'material' (numbers; MISS: nothing), and 'heat' (boxes and triangles tested), each (height, width) or (height, width, 3)."""
         return self._native.aovs()
 
+    def error_map(self) -> NDArray[np.float32]:
+        """Half the width of each pixel's interval, (height, width): 19 of 20 hold the pixel's true luminance, unless there are
+        fireflies. Renders first if nothing is rendered yet, and some pixels again."""
+        if not self._rendered:
+            self.render()
+        return self._native.error_map()
+
     def update(self, scene: Scene, *, camera: bool = False, lights: bool = False, materials: bool = False, sky: bool = False) -> None:
         """Discards all samples and continues with a scene that differs in these parts only."""
         if not isinstance(scene, Scene):

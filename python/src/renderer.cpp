@@ -34,6 +34,7 @@ nb::dict as_dict(const RenderProgress& p) {
     dict["noise"] = p.noise;
     dict["error"] = p.error;
     dict["error_bound"] = p.error_bound;
+    dict["error_of_fireflies"] = p.error_of_fireflies;
     dict["dropped_samples"] = p.dropped_samples;
     dict["culled"] = p.culled;
     return dict;
@@ -69,6 +70,11 @@ nb::dict aovs(const PyRenderer& self) {
         dict[row.name] = array_of<Word>(std::move(pixels), sizeof(Pixel) == sizeof(Word) ? one : three);
     });
     return dict;
+}
+
+nb::object error_map(PyRenderer& self) {
+    std::vector<float> widths = without_gil(self.device, [&] { return self.renderer.error_map(); });
+    return array_of<float>(std::move(widths), {self.height, self.width});
 }
 
 void update(PyRenderer& self, const Scene& scene, bool camera, bool lights, bool materials, bool sky) {
@@ -141,6 +147,7 @@ void bind_renderer(nb::module_& module) {
                  return without_gil(self.device, [&] { return self.renderer.statistics().device_bytes; });
              })
         .def("aovs", &aovs)
+        .def("error_map", &error_map)
         .def("size", [](const PyRenderer& self) { return std::make_pair(self.width, self.height); })
         .def("device", [](const PyRenderer& self) { return self.device; });
 }

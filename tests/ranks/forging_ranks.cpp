@@ -63,7 +63,7 @@ const std::vector<Forge> of_ready = {
     with([](RemoteReport& report) { report.report.kind = Report::Kind(17); }),
 };
 const std::vector<Forge> of_done = {
-    with([](RemoteReport& report) { report.report.sums.pixels.resize(report.report.sums.pixels.size() + 1); }),
+    with([](RemoteReport& report) { report.report.sums.resize(report.report.sums.size() + 1); }),
     with([](RemoteReport& report) { report.report.seconds = NAN; }),
     with([](RemoteReport& report) { report.report.kind = Report::Kind::ready; }),  // again
     with([](RemoteReport& report) { report.task = 0; }),

@@ -47,15 +47,13 @@ TEST(Protocol, BringsScenesAndSettings) {
 
 TEST(Protocol, BringsOrdersAndReports) {
     RemoteOrder order{3, 1, {Order::Kind::give, {10, 2, 4, 8, 0}, true}, {}};
-    order.sums.pixels.resize(2), order.sums.odd.resize(2);
-    order.sums.pixels[1].all.g = 0.5f, order.sums.odd[0].r = 2.f;
+    order.sums.resize(2), order.sums[1].all.g = 0.5f;
     const RemoteOrder come = order_from(to_bytes(order));
     EXPECT_EQ(come.task, 3u);
     EXPECT_EQ(come.device, 1u);
     EXPECT_EQ(come.order.kind, Order::Kind::give);
     EXPECT_EQ(come.order.batch.first_sample, 4u);
-    EXPECT_EQ(come.sums.pixels.at(1).all.g, 0.5f);
-    EXPECT_EQ(come.sums.odd.at(0).r, 2.f);
+    EXPECT_EQ(come.sums.at(1).all.g, 0.5f);
 
     const RenderedFrame frame =
         rendered_from(to_bytes(RenderedFrame{5, {"a"}, {std::string("b\0c", 3)}, {{1, 2, 3}}, {2, "why"}}));

@@ -72,7 +72,6 @@ TEST_F(CheckpointFiles, PendingSamplesComeFirst) {
 }
 
 TEST_F(CheckpointFiles, RendersToAnErrorGoOn) {
-    RenderConfig plain = config_;
     config_.spp = 4096;
     for (const double error : {0.25, 0.1}) {
         config_.error = error;
@@ -89,11 +88,25 @@ TEST_F(CheckpointFiles, RendersToAnErrorGoOn) {
             EXPECT_TRUE(same_bits(finish(resumed()), expected)) << reports << " reports";
         }
     }
+}
+
+/// A target is no part of the image.
+TEST_F(CheckpointFiles, AnErrorMayBeAskedForLaterOrNoMore) {
+    RenderConfig to_an_error = config_;
+    to_an_error.spp = 4096, to_an_error.error = 0.25;
+    const RenderProgress reached = Renderer(device(), scene_, to_an_error).render();
+    RenderConfig plain = config_;
+    plain.spp = reached.spp + 20, plain.checkpoint.clear();
+    const std::vector<glm::vec3> expected = finish(plain);
     plain.resume = config_.checkpoint;
-    EXPECT_TRUE(refused(plain, "it was rendered with --error; add --error"));
-    plain.resume.clear();
-    (void)finish(plain);
-    EXPECT_TRUE(refused(resumed(), "it was rendered without --error"));
+    EXPECT_TRUE(same_bits(finish(plain), expected));
+
+    (void)finish(config_);
+    to_an_error.resume = config_.checkpoint, to_an_error.checkpoint.clear(), to_an_error.error = 0.1;
+    const RenderProgress later = Renderer(device(), scene_, to_an_error).render();
+    EXPECT_GT(later.spp, config_.spp);
+    EXPECT_GT(later.error_bound, 0);
+    EXPECT_LE(later.error_bound, 0.1);
 }
 
 /// Within the first pass of the image, within a round, and between rounds.

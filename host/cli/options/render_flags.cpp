@@ -62,13 +62,16 @@ void add_image_options(CLI::App& command, RenderOptions& o) {
         names.emplace_back(row.name);
         meanings += std::string("\n") + row.name + ": " + row.meaning;
     }
-    names.insert(names.end(), {"gbuffer", "voxels"});
+    names.insert(names.end(), {"error", "gbuffer", "voxels"});
     command
-        .add_option("--aov", o.aovs,
-                    "Also write OUTPUT.NAME.png and .pfm, or layers of an .exr:" + meanings +
-                        "\ngbuffer: packed as deferred renderers keep it, .raw and a picture of each part "
-                        "(see docs/formats.md)"
-                        "\nvoxels: of --grid-voxels, by the albedo of their surfaces")
+        .add_option(
+            "--aov", o.aovs,
+            "Also write OUTPUT.NAME.png and .pfm, or layers of an .exr:" + meanings +
+                "\nerror: half the width of each pixel's interval of luminance, which holds the truth in 19 of 20\n"
+                "  pixels (see docs/accuracy.md)"
+                "\ngbuffer: packed as deferred renderers keep it, .raw and a picture of each part "
+                "(see docs/formats.md)"
+                "\nvoxels: of --grid-voxels, by the albedo of their surfaces")
         ->take_all()
         ->delimiter(',')
         ->check(name_among(names));

@@ -131,7 +131,7 @@ bool is_of_bytes(const std::filesystem::path& output) {
 }
 
 bool is_layer(const std::filesystem::path& output, const std::string& aov) {
-    return output.extension() == ".exr" && aov != "gbuffer" && aov != "voxels";
+    return output.extension() == ".exr" && aov != "error" && aov != "gbuffer" && aov != "voxels";
 }
 
 void use_light_maps(Scene& scene, const std::vector<std::string>& light_maps) {

@@ -71,6 +71,12 @@ std::vector<glm::vec3> position_colors(const GBuffer& buffer) {
     return colors;
 }
 
+void write_error(const std::vector<float>& widths, const RenderOptions& options) {
+    const auto [picture, raw] = aov_paths(options.output, "error");
+    write_image(picture, false_color(options.config.width, options.config.height, widths), 0.f, ToneMap::none);
+    write_pfm(raw, options.config.width, options.config.height, widths);
+}
+
 void write_voxels(const std::vector<glm::vec3>& albedo, const RenderOptions& options) {
     const Image image{options.config.width, options.config.height, albedo};
     const auto [picture, raw] = aov_paths(options.output, "voxels");
@@ -215,7 +221,7 @@ void check_denoiser(DenoiserKind kind) {
     if (kind == DenoiserKind::oidn) require_oidn();
 }
 
-Denoised denoise(const Renderer& renderer, const RenderOptions& options) {
+Denoised denoise(Renderer& renderer, const RenderOptions& options) {
     if (!options.denoiser) return {};
     const DenoiserKind kind = picked_denoiser(*options.denoiser);
     const auto begin = std::chrono::steady_clock::now();
@@ -223,12 +229,17 @@ Denoised denoise(const Renderer& renderer, const RenderOptions& options) {
     if (!options.quiet) std::fprintf(stderr, "denoising by %s\n", denoised.by);
     denoised.image = renderer.denoised(kind);
     denoised.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    if (options.config.error > 0) denoised.error = renderer.error_of(denoised.image);
     return denoised;
 }
 
-void write_aovs(const Renderer& renderer, const RenderOptions& options, Writes& writes) {
+void write_aovs(Renderer& renderer, const RenderOptions& options, Writes& writes) {
     std::optional<Aovs> aovs;
     for (const std::string& name : options.aovs) {
+        if (name == "error") {
+            writes.attempt([&] { write_error(renderer.error_map(), options); });
+            continue;
+        }
         if (name == "gbuffer") {
             writes.attempt([&] { write_gbuffer(renderer.gbuffer(), options); });
             continue;
@@ -294,6 +305,7 @@ void print_as_text(const Device& device, const Renderer& renderer, const RenderO
     std::printf("%s\n", outcome.interrupted ? ", interrupted" : "");
     print_shares(shares);
     if (*denoised.by) std::printf("denoised by %s in %.2f s\n", denoised.by, denoised.seconds);
+    if (denoised.error > 0) std::printf("error of the denoised image: about %.3g\n", denoised.error);
     tell_cut_off(renderer, options.config.max_depth);
     if (const std::string why = renderer.why_unguided(); !options.asks_for_guiding && !why.empty())
         std::printf("%s\n", why.c_str());
@@ -320,6 +332,7 @@ void print_as_json(const Device& device, const Renderer& renderer, const RenderO
         {"noise", outcome.progress.noise},
         {"error", outcome.progress.error},
         {"error_bound", outcome.progress.error_bound},
+        {"error_of_fireflies", outcome.progress.error_of_fireflies},
         {"cut_off", renderer.cut_off()},
         {"measuring_seconds", s.measuring_seconds},
         {"interrupted", outcome.interrupted},
@@ -327,7 +340,7 @@ void print_as_json(const Device& device, const Renderer& renderer, const RenderO
         {"adapted", s.adapted},
         {"guided", s.guided},
         {"dropped_samples", s.dropped_samples},
-        {"denoised", {{"by", denoised.by}, {"seconds", denoised.seconds}}},
+        {"denoised", {{"by", denoised.by}, {"seconds", denoised.seconds}, {"error", denoised.error}}},
         {"kernels",
          {{"compiled", compile.compiled},
           {"from_cache", compile.from_cache},

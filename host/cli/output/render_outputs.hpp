@@ -17,17 +17,18 @@ void choose_exposure(const std::vector<glm::vec3>& pixels, const Renderer* rende
 void write_picture(const std::vector<glm::vec3>& pixels, const RenderOptions& options,
                    const Renderer* renderer = nullptr);
 /// Writes every auxiliary image that was asked for and is no layer, in false colours (.png) and raw (.pfm).
-void write_aovs(const Renderer& renderer, const RenderOptions& options, Writes& writes);
+void write_aovs(Renderer& renderer, const RenderOptions& options, Writes& writes);
 
 /// A denoised image; empty if none was wanted.
 struct Denoised {
     std::vector<glm::vec3> image;
     const char* by = "";
     double seconds = 0;
+    double error = 0;  ///< of --error; 0: not asked for, or too small to tell
 };
 /// Throws ErrorKind::user if the denoiser is not installed.
 void check_denoiser(DenoiserKind kind);
-[[nodiscard]] Denoised denoise(const Renderer& renderer, const RenderOptions& options);
+[[nodiscard]] Denoised denoise(Renderer& renderer, const RenderOptions& options);
 
 /// How the render ended.
 struct Outcome {

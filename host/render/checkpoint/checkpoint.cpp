@@ -1,5 +1,6 @@
 #include "host/render/checkpoint/checkpoint.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cmath>
@@ -18,10 +19,10 @@ namespace claray {
 namespace {
 
 constexpr std::array<char, 8> checkpoint_magic = {'C', 'L', 'R', 'C', 'K', 'P', '\r', '\n'};
-constexpr std::uint32_t checkpoint_version = 6;
+constexpr std::uint32_t checkpoint_version = 7;
 
-/// The beginning of a file. Then the film's sums, the half tiles of adaptive sampling, the pending batches, and the
-/// digest of these.
+/// The beginning of a file. Then the film's sums, the control pixels, the half tiles of adaptive sampling, the pending
+/// batches, and the digest of these.
 struct CheckpointHeader {
     std::array<char, 8> name;
     std::uint32_t version;
@@ -29,18 +30,20 @@ struct CheckpointHeader {
     std::uint32_t pixel_bytes;
     std::uint32_t width, height;
     PassSchedule::Position position;
-    std::uint32_t tells_error;
-    std::uint32_t halves, zero;  // number of half tiles, see AdaptiveSchedule::Position
-    ErrorLooks looks;
+    std::uint32_t controls;  // number of control pixels
+    std::uint32_t halves;    // number of half tiles, see AdaptiveSchedule::Position
+    std::uint32_t error_spp;
+    ErrorEstimate error;
+    double error_power;
     Digest scene, settings, kernels;
     Digest digest;  // of this header up to here
 };
-static_assert(sizeof(CheckpointHeader) == 168);
+static_assert(sizeof(CheckpointHeader) == 152 && sizeof(ControlPixel) == 8 + sizeof(FilmPixel));
 
 std::uint64_t pixels_of(const CheckpointHeader& header) { return std::uint64_t(header.width) * header.height; }
 
 std::uint64_t bytes_of_sums(const CheckpointHeader& header) {
-    return pixels_of(header) * (sizeof(FilmPixel) + (header.tells_error ? sizeof(ColorSum) : 0));
+    return pixels_of(header) * sizeof(FilmPixel) + header.controls * std::uint64_t(sizeof(ControlPixel));
 }
 
 template <class T>
@@ -48,13 +51,16 @@ std::size_t bytes_of(const std::vector<T>& values) {
     return values.size() * sizeof(T);
 }
 
-Digest digest_of_sums(const Film::Sums& sums, const std::vector<std::uint32_t>& halves,
-                      const std::vector<Batch>& pending) {
+/// Calls visit(values) for each part that follows the header.
+template <class CheckpointOrConst, class Visit>
+void visit_parts(CheckpointOrConst& checkpoint, const Visit& visit) {
+    visit(checkpoint.sums), visit(checkpoint.error.controls);
+    visit(checkpoint.position.halves), visit(checkpoint.position.pending);
+}
+
+Digest digest_of_parts(const Checkpoint& checkpoint) {
     Hasher hasher;
-    hasher.add(sums.pixels.data(), bytes_of(sums.pixels));
-    hasher.add(sums.odd.data(), bytes_of(sums.odd));
-    hasher.add(halves.data(), bytes_of(halves));
-    hasher.add(pending.data(), bytes_of(pending));
+    visit_parts(checkpoint, [&](const auto& values) { hasher.add(values.data(), bytes_of(values)); });
     return hasher.digest();
 }
 
@@ -96,18 +102,12 @@ public:
 
     /// Reads what follows the header.
     void read_rest(const CheckpointHeader& header, Checkpoint& checkpoint) {
-        auto& [position, looks, sums] = checkpoint;
-        auto& [at, halves, pending] = position;
-        sums.pixels.resize(pixels_of(header)), sums.odd.resize(header.tells_error ? pixels_of(header) : 0);
-        read(sums.pixels.data(), bytes_of(sums.pixels));
-        read(sums.odd.data(), bytes_of(sums.odd));
-        halves.resize(header.halves);
-        read(halves.data(), bytes_of(halves));
-        pending.resize(pending_);
-        read(pending.data(), bytes_of(pending));
+        checkpoint.sums.resize(pixels_of(header)), checkpoint.error.controls.resize(header.controls);
+        checkpoint.position.halves.resize(header.halves), checkpoint.position.pending.resize(pending_);
+        visit_parts(checkpoint, [&](auto& values) { read(values.data(), bytes_of(values)); });
         Digest digest;
         read(digest.data(), digest.size());
-        if (digest != digest_of_sums(sums, halves, pending)) refuse_damaged("its checksum is wrong");
+        if (digest != digest_of_parts(checkpoint)) refuse_damaged("its checksum is wrong");
     }
 
     [[noreturn]] void refuse_damaged(const std::string& why) const {
@@ -140,6 +140,12 @@ bool are_before(const std::vector<Batch>& pending, const CheckpointHeader& heade
     return pending.empty() || (at.pixel == 0 && at.sample == 0 && header.halves == 0);
 }
 
+bool are_sound(const std::vector<ControlPixel>& controls, const CheckpointHeader& header) {
+    return std::ranges::all_of(controls, [&](const ControlPixel& control) {
+        return control.pixel < pixels_of(header) && control.chance > 0 && control.chance <= 1;
+    });
+}
+
 std::string size_of(std::uint32_t width, std::uint32_t height) {
     return std::to_string(width) + "x" + std::to_string(height);
 }
@@ -147,7 +153,7 @@ std::string size_of(std::uint32_t width, std::uint32_t height) {
 }  // namespace
 
 RenderIdentity identity_of(const Scene& scene, const RenderConfig& config) {
-    RenderIdentity identity{config.width, config.height, tells_error(config), digest_of(scene), {}, {}};
+    RenderIdentity identity{config.width, config.height, digest_of(scene), {}, {}};
     const std::string settings = std::to_string(config.seed) + ' ' + std::to_string(config.max_depth) + ' ' +
                                  std::to_string(int(config.sampler)) + ' ' + to_string(config.effects.remove) + ' ' +
                                  to_string(config.approximate) + (config.adaptive ? " adaptive" : "") +
@@ -171,21 +177,17 @@ void write_checkpoint(const std::filesystem::path& path, const RenderIdentity& i
     header.order = byte_order;
     header.pixel_bytes = sizeof(FilmPixel);
     header.width = identity.width, header.height = identity.height;
-    const std::vector<std::uint32_t>& halves = checkpoint.position.halves;
     header.position = checkpoint.position.at;
-    header.halves = std::uint32_t(halves.size());
-    header.tells_error = identity.tells_error;
-    header.looks = checkpoint.looks;
+    header.halves = std::uint32_t(checkpoint.position.halves.size());
+    const ErrorProgress& error = checkpoint.error;
+    header.controls = std::uint32_t(error.controls.size());
+    header.error_spp = error.spp, header.error = error.last, header.error_power = error.power;
     header.scene = identity.scene, header.settings = identity.settings, header.kernels = identity.kernels;
     header.digest = digest_of_checkpoint_header(header);
-    const Film::Sums& sums = checkpoint.sums;
-    const Digest digest = digest_of_sums(sums, halves, checkpoint.position.pending);
+    const Digest digest = digest_of_parts(checkpoint);
     NewFile file(path);
     file.write(&header, sizeof header);
-    file.write(sums.pixels.data(), bytes_of(sums.pixels));
-    file.write(sums.odd.data(), bytes_of(sums.odd));
-    file.write(halves.data(), bytes_of(halves));
-    file.write(checkpoint.position.pending.data(), bytes_of(checkpoint.position.pending));
+    visit_parts(checkpoint, [&](const auto& values) { file.write(values.data(), bytes_of(values)); });
     file.write(digest.data(), digest.size());
     file.commit();
 }
@@ -203,9 +205,6 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const RenderIdenti
         file.refuse(
             "it was rendered with another seed, depth, sampler or effects, or other use of --adaptive or --no-guide",
             "use the same settings");
-    if ((header.tells_error != 0) != identity.tells_error)
-        file.refuse(identity.tells_error ? "it was rendered without --error" : "it was rendered with --error",
-                    identity.tells_error ? "leave out --error, or render from the start" : "add --error");
     if (header.kernels != identity.kernels)
         file.refuse("it was written by a version of claray with other kernels",
                     "use that version, or render from the start");
@@ -218,16 +217,16 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const RenderIdenti
         file.refuse(
             "it has " + std::to_string(most) + " samples per pixel, but only " + std::to_string(spp) + " are requested",
             "use a larger --spp");
-    const ErrorLooks& looks = header.looks;
     const auto sound = [](double value) { return value >= 0 && std::isfinite(value); };
-    if (!(sound(looks.square) && sound(looks.degrees) && sound(looks.last) && sound(looks.halves) &&
-          std::isfinite(looks.power)) ||
-        (header.halves == 0 && looks.spp > at.done))
+    if (!(sound(header.error.square) && sound(header.error.deviation) && sound(header.error.fireflies) &&
+          std::isfinite(header.error_power)) ||
+        (header.halves == 0 && header.error_spp > at.done) || header.controls > most_control_pixels)
         file.refuse_damaged("its error estimate is not a valid number");
-    Checkpoint checkpoint{{at, {}}, looks, {}};
+    Checkpoint checkpoint{{at, {}}, {header.error, header.error_power, header.error_spp, {}}, {}};
     file.read_rest(header, checkpoint);
     if (!are_before(checkpoint.position.pending, header))
         file.refuse_damaged("its pending samples are outside the image");
+    if (!are_sound(checkpoint.error.controls, header)) file.refuse_damaged("its control pixels are outside the image");
     return checkpoint;
 }
 

@@ -6,20 +6,15 @@
 
 #include "claray/renderer.hpp"
 #include "host/base/hash.hpp"
-#include "host/render/film/error_looks.hpp"
-#include "host/render/film/film.hpp"
+#include "host/render/film/error_estimate.hpp"
 #include "host/render/schedule/adaptive_schedule.hpp"
 
 namespace claray {
-
-/// Returns whether samples of odd index are also summed separately.
-[[nodiscard]] inline bool tells_error(const RenderConfig& config) { return config.error > 0; }
 
 /// Everything except the device on which the samples of a render depend. A render can continue another one of the same
 /// identity, also with another number of samples.
 struct RenderIdentity {
     std::uint32_t width = 0, height = 0;
-    bool tells_error = false;
     Digest scene{};
     Digest settings{};  // seed, depth, sampler, removed effects, adaptive sampling, guiding
     Digest kernels{};   // their sources
@@ -30,8 +25,8 @@ struct RenderIdentity {
 /// The progress of a render.
 struct Checkpoint {
     AdaptiveSchedule::Position position;
-    ErrorLooks looks;
-    Film::Sums sums;
+    ErrorProgress error;
+    std::vector<FilmPixel> sums;
 };
 
 /// Writes through NewFile: under this name there is always a complete checkpoint, the previous one or this one.

@@ -12,29 +12,16 @@ KernelsOf<Film::Kernels> Film::Kernels::requests() {
             {&Kernels::measure, {"render/measure_film.cl", "measure_film", {}}}};
 }
 
-Film::Film(const Device& device, std::uint32_t pixels, bool tells_error, float sample_clamp)
+Film::Film(const Device& device, std::uint32_t pixels, float sample_clamp)
     : device_(device),
       count_(pixels),
-      tells_error_(tells_error),
       sample_clamp_(sample_clamp),
       items_(std::min(CLARAY_SUM_ITEMS, pixels)),
       pixels_(device, pixels),
-      odd_(device, tells_error ? pixels : 1),
       sums_(device, (items_ + CLARAY_SUM_GROUP - 1) / CLARAY_SUM_GROUP),
       dropped_(device, 1),
       kernels_(device) {
     clear();
-    load_odd();
-}
-
-/// A separate kernel, because PoCL compiles every kernel that is created and a first picture seldom needs this one.
-void Film::load_odd() {
-    if (tells_error_) accumulate_odd_ = load_kernel(device_, "render/accumulate_film.cl", "accumulate_odd");
-}
-
-void Film::reload_kernels() {
-    kernels_ = Kernels(device_);
-    load_odd();
 }
 
 void Film::accumulate(const Batch& batch, const Buffer<float>& radiance, const Buffer<std::uint32_t>& tables,
@@ -54,8 +41,6 @@ void Film::add(const Batch& batch, const Buffer<float>& radiance, const Buffer<s
     const auto flag = std::uint32_t(begins);
     kernels_.accumulate.run({batch.pixels, 64}, batch, arg("tables", tables), listed, flag, sample_clamp_, radiance,
                             pixels_, arg("dropped", dropped_));
-    if (tells_error_)
-        accumulate_odd_.run({batch.pixels, 64}, batch, tables, listed, flag, sample_clamp_, radiance, odd_);
 }
 
 void Film::begin_all() const {
@@ -75,23 +60,21 @@ void Film::clear() {
     forget_look();
 }
 
-Film::Sums Film::sums(std::uint32_t first, std::uint32_t pixels) const {
-    Sums sums{std::vector<FilmPixel>(pixels), std::vector<ColorSum>(tells_error_ ? pixels : 0)};
-    read_sums({sums.pixels, sums.odd}, first);
+std::vector<FilmPixel> Film::sums() const {
+    std::vector<FilmPixel> sums(count_);
+    read_sums(sums);
     return sums;
 }
 
-void Film::read_sums(const SumsSpan& to, std::uint32_t first) const {
+void Film::read_sums(std::span<FilmPixel> to, std::uint32_t first) const {
     begin_all();
-    pixels_.read(to.pixels, first);
-    if (tells_error_) odd_.read(to.odd, first);
+    pixels_.read(to, first);
 }
 
-void Film::set_sums(const ConstSumsSpan& sums, std::uint32_t first) {
+void Film::set_sums(std::span<const FilmPixel> sums, std::uint32_t first) {
     begin_all();
     has_single_samples_ = false;
-    pixels_.write(sums.pixels, first);
-    if (tells_error_) odd_.write(sums.odd, first);
+    pixels_.write(sums, first);
     forget_look();
 }
 
@@ -131,30 +114,27 @@ void Film::look() const {
 
 void Film::measure() const {
     begin_all();
-    kernels_.measure.run({items_, CLARAY_SUM_GROUP}, pixels_, odd_, tells_error_ ? 1u : 0u, count_, scale_,
-                         items_, sums_);
+    kernels_.measure.run({items_, CLARAY_SUM_GROUP}, pixels_, count_, scale_, items_, sums_);
 }
 
 /// Sums the results of the kernel enqueued last.
 Film::Totals Film::measured() const {
     Totals total;
-    for (const FilmSums& sums : sums_.read()) {
-        total.noise_variance += sums.noise.variance, total.luminance += sums.noise.luminance;
-        total.noise_pixels += sums.noise.pixels, total.dropped += sums.noise.dropped;
-        total.variance += sums.error.variance, total.squares += sums.error.squares;
-        total.value += sums.error.value, total.pixels += sums.error.pixels;
+    for (const NoiseSums& sums : sums_.read()) {
+        total.variance += sums.variance, total.luminance += sums.luminance;
+        total.pixels += sums.pixels, total.dropped += sums.dropped;
     }
     return total;
 }
 
-/// Measured once per state of the film. If the fourth power of radiance leaves the range of float32, it is measured
+/// Measured once per state of the film. If squares of radiance leave the range of float32, it is measured
 /// again in another unit, with which the next look begins.
 const Film::Totals& Film::totals() const {
     if (totals_) return *totals_;
     if (!looks_) measure();
     totals_ = measured();
     looks_ = false;
-    const double mean = totals_->luminance / totals_->noise_pixels;
+    const double mean = totals_->luminance / totals_->pixels;
     if (mean > 0 && (mean < 0x1p-10 || mean > 0x1p10)) {
         scale_ = float(std::clamp(scale_ * std::exp2(-std::round(std::log2(mean))), 0x1p-120, 0x1p120));
         measure();
@@ -170,7 +150,7 @@ Film::Noise Film::noise() const {
     Noise noise;
     noise.dropped = total.dropped;
     if (total.luminance > 0)
-        noise.relative = std::sqrt(total.noise_variance / total.noise_pixels) / (total.luminance / total.noise_pixels);
+        noise.relative = std::sqrt(total.variance / total.pixels) / (total.luminance / total.pixels);
     return noise;
 }
 
@@ -178,7 +158,7 @@ Film::Noise Film::noise() const {
 template <class... Args>
 std::vector<float> Film::variances(const char* name, std::uint32_t items, const Args&... args) const {
     const Totals& total = totals();
-    const double mean = total.luminance / total.noise_pixels;
+    const double mean = total.luminance / total.pixels;
     if (!(mean > 0)) return std::vector<float>(items);
     const Buffer<float> found(device_, items);
     load_kernel(device_, "render/measure_film.cl", name)
@@ -192,23 +172,6 @@ std::vector<float> Film::gain_per_sample(std::uint32_t width) const {
     const auto along = [](std::uint32_t side) { return (side + CLARAY_TILE_SIDE - 1) / CLARAY_TILE_SIDE; };
     const std::uint32_t height = count_ / width;
     return variances("map_gain", 2 * along(width) * along(height), width, height);
-}
-
-/// Let v be the variance of a pixel estimated from its two halves, with the true value s^2. v is s^2 times a chi^2
-/// variable of one degree of freedom, and so is, independently, the pixel's squared error. Sums of these over the
-/// pixels are about chi^2 of (sum s^2)^2 / sum s^4 degrees (Welch and Satterthwaite), the number of pixels that share
-/// the error. Therefore the image's squared error over its estimate follows an F distribution. Expectations: v^2 has 3
-/// s^4, and for n equal pixels (sum v)^2 / sum v^2 has about (n + 2) / 3. (Channels count as one, which understates the
-/// degrees.)
-Film::Error Film::error(ErrorLooks& looks, std::uint32_t spp) const {
-    const Totals& total = totals();
-    if (!(total.value > 0)) return {};
-    const double mean = total.value / (3 * total.pixels);
-    constexpr double least = 0x1p-24;  // the rounding error of any float32 image
-    const double estimate = std::max(least, std::sqrt(total.variance / (3 * total.pixels)) / mean);
-    const double degrees = total.squares > 0 ? 3 * total.variance * total.variance / total.squares - 2 : 0;
-    looks.add(estimate * estimate, degrees, spp);
-    return {std::sqrt(looks.last), looks.bound()};
 }
 
 }  // namespace claray

@@ -9,15 +9,13 @@
 #include "claray/shared/picture.h"
 #include "host/compute/memory.hpp"
 #include "host/compute/programs/kernel_set.hpp"
-#include "host/render/film/error_looks.hpp"
 
 namespace claray {
 
 class Film {
 public:
-    /// `tells_error`: samples of odd index are also summed separately, and the error is estimated from them.
     /// `sample_clamp` is RenderConfig::sample_clamp.
-    Film(const Device& device, std::uint32_t pixels, bool tells_error = false, float sample_clamp = 0);
+    Film(const Device& device, std::uint32_t pixels, float sample_clamp = 0);
 
     struct Kernels {
         explicit Kernels(const Device& device) { load(device, requests(), *this); }
@@ -26,7 +24,7 @@ public:
     };
 
     /// Loads the kernels again.
-    void reload_kernels();
+    void reload_kernels() { kernels_ = Kernels(device_); }
 
     /// Adds the radiance (3 floats per path) of a batch; asynchronous. The pixels of a listed batch begin at word
     /// `listed` of `tables`.
@@ -46,33 +44,17 @@ public:
     /// In the film's own size.
     [[nodiscard]] std::vector<glm::vec3> image() const { return image({count_, 1, count_, 1}); }
 
-    /// Reads and writes the sums. Both block.
-    struct Sums {
-        std::vector<FilmPixel> pixels;
-        std::vector<ColorSum> odd;  ///< of samples of odd index, if the error is estimated
-    };
-    /// The same in memory of the caller.
-    struct SumsSpan {
-        std::span<FilmPixel> pixels;
-        std::span<ColorSum> odd;
-    };
-    struct ConstSumsSpan {
-        ConstSumsSpan(const Sums& sums) : pixels(sums.pixels), odd(sums.odd) {}
-        ConstSumsSpan(const SumsSpan& sums) : pixels(sums.pixels), odd(sums.odd) {}
-        std::span<const FilmPixel> pixels;
-        std::span<const ColorSum> odd;
-    };
-    [[nodiscard]] Sums sums() const { return sums(0, count_); }
-    /// Of `pixels` pixels from `first` on.
-    [[nodiscard]] Sums sums(std::uint32_t first, std::uint32_t pixels) const;
-    void read_sums(const SumsSpan& to, std::uint32_t first) const;
-    void set_sums(const ConstSumsSpan& sums, std::uint32_t first = 0);
+    /// Reads and writes the sums from pixel `first` on. Both block.
+    void read_sums(std::span<FilmPixel> to, std::uint32_t first = 0) const;
+    void set_sums(std::span<const FilmPixel> sums, std::uint32_t first = 0);
+    /// Of all pixels.
+    [[nodiscard]] std::vector<FilmPixel> sums() const;
     [[nodiscard]] const Buffer<FilmPixel>& pixels() const {
         begin_all();
         return pixels_;
     }
 
-    /// Enqueues the measurement that noise() and error() read, unless it is known. They wait for it.
+    /// Enqueues the measurement that noise() reads, unless it is known. It waits for it.
     void look() const;
 
     struct Noise {
@@ -91,25 +73,16 @@ public:
     /// first. Blocks.
     [[nodiscard]] std::vector<float> gain_per_sample(std::uint32_t width) const;
 
-    struct Error {
-        double estimate = 0;  ///< root mean square of all channels over the mean; 0: unknown
-        double bound = 0;     ///< the error exceeds it in about one image of a hundred
-    };
-    /// Estimates the error, if the film does, from this look and earlier ones after the given samples per pixel; see
-    /// docs/accuracy.md. Blocks.
-    [[nodiscard]] Error error(ErrorLooks& looks, std::uint32_t spp) const;
-    [[nodiscard]] std::uint64_t bytes() const { return buffer_bytes(pixels_, odd_, sums_, dropped_, image_); }
+    [[nodiscard]] std::uint64_t bytes() const { return buffer_bytes(pixels_, sums_, dropped_, image_); }
 
 private:
-    /// FilmSums of all pixels.
+    /// NoiseSums of all pixels.
     struct Totals {
-        double noise_variance = 0, luminance = 0, noise_pixels = 0;
-        double variance = 0, squares = 0, value = 0, pixels = 0;
+        double variance = 0, luminance = 0, pixels = 0;
         std::uint64_t dropped = 0;
     };
     /// Page-locked memory of at least this size.
     [[nodiscard]] const HostMemory& on_host(std::size_t bytes) const;
-    void load_odd();
     void add(const Batch& batch, const Buffer<float>& radiance, const Buffer<std::uint32_t>& tables,
              std::uint32_t listed, bool begins) const;
     /// Sets the pixels without samples to 0.
@@ -123,19 +96,16 @@ private:
 
     Device device_;
     std::uint32_t count_;
-    bool tells_error_;
     float sample_clamp_;
     std::uint32_t items_;  // that sum up pixels
     Buffer<FilmPixel> pixels_;
-    Buffer<ColorSum> odd_;
-    Buffer<FilmSums> sums_;
+    Buffer<NoiseSums> sums_;
     Buffer<std::uint32_t> dropped_;                // samples, of batches that begin their pixels
     bool has_single_samples_ = true;               // no pixel has more than one sample
     mutable Buffer<float> image_;                  // once it was asked for
     mutable std::shared_ptr<HostMemory> on_host_;  // likewise
     mutable std::uint64_t room_on_host_ = 0;       // bytes
     mutable Kernels kernels_;
-    mutable Kernel accumulate_odd_;         // if the error is estimated
     mutable std::uint32_t begun_ = 0;       // the sums of pixels from here on are older than clear()
     mutable std::optional<Totals> totals_;  // of the current samples, once requested
     mutable bool looks_ = false;            // a measurement is enqueued

@@ -166,10 +166,13 @@ KernelSet PathGuide::programs(const Device& device) {
     return set;
 }
 
+PathGuide::Phase PathGuide::phase_at(std::uint32_t sample) {
+    return Phase(std::upper_bound(ends.begin(), ends.end(), sample) - ends.begin());
+}
+
 /// Batches of rounds of adaptive sampling number entries of a list; these have their first 16 samples.
 PathGuide::Phase PathGuide::phase_of(const Batch& batch) {
-    if (batch.listed) return last_phase;
-    return Phase(std::upper_bound(ends.begin(), ends.end(), batch.first_sample) - ends.begin());
+    return batch.listed ? last_phase : phase_at(batch.first_sample);
 }
 
 /// The first two phases teach the maps for samples from `unguided_spp` on.
@@ -182,6 +185,19 @@ void PathGuide::trace(Batch batch, unsigned spp, Wavefront& wavefront, const std
         Batch part = batch;
         if (!batch.listed) part.samples = std::min(batch.samples, ends[phase_of(batch)] - batch.first_sample);
         trace_part(part, spp, wavefront);
+        add(part);
+        batch.first_sample += part.samples, batch.samples -= part.samples;
+    }
+}
+
+void PathGuide::trace_beside(Batch batch, Wavefront& wavefront, const std::function<void(const Batch&)>& add) {
+    while (batch.samples > 0) {
+        Batch part = batch;
+        const Phase phase = phase_at(batch.first_sample);
+        part.samples = std::min(batch.samples, ends[phase] - batch.first_sample);
+        wavefront.frame.guide = data_for(std::min(phase, phase_), false, wavefront.scene);
+        wavefront.trace(part);
+        wavefront.frame.guide = {};
         add(part);
         batch.first_sample += part.samples, batch.samples -= part.samples;
     }

@@ -65,6 +65,8 @@ public:
     /// Traces a batch of an image of `spp` samples per pixel by the maps for its samples, and calls `add` for each
     /// part. Learns only what later samples of the image need.
     void trace(Batch batch, unsigned spp, Wavefront& wavefront, const std::function<void(const Batch&)>& add);
+    /// The same with the maps that are known, without learning.
+    void trace_beside(Batch batch, Wavefront& wavefront, const std::function<void(const Batch&)>& add);
     /// Whether it guides samples, by what it has learnt so far.
     [[nodiscard]] bool guides() const {
         return std::any_of(maps_.begin(), maps_.end(), [](const auto& maps) { return !maps.empty(); });
@@ -77,6 +79,7 @@ private:
     /// Samples of the same maps. Each but the last teaches those after it.
     enum Phase : unsigned { unit_phase, unguided_phase, first_phase, last_phase };
     static constexpr std::array<std::uint32_t, 4> ends = {2, unguided_spp, teaching_spp, ~std::uint32_t(0)};
+    [[nodiscard]] static Phase phase_at(std::uint32_t sample);
     [[nodiscard]] static Phase phase_of(const Batch& batch);
     [[nodiscard]] static bool pays_to_teach(Phase phase, unsigned spp);
     /// Where the batches that teach go on: in the image, in the order of passes.

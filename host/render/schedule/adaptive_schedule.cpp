@@ -177,6 +177,13 @@ std::uint32_t AdaptiveSchedule::complete_passes_spp() const {
     return std::uint32_t(done_ / pixels());
 }
 
+std::uint32_t AdaptiveSchedule::samples_of(std::uint32_t pixel) const {
+    if (halves_.empty()) return uniform_.complete_passes_spp();
+    const std::uint32_t x = pixel % width_, y = pixel / width_;
+    const std::uint32_t tile = y / tile_side * columns_ + x / tile_side, half = (x % tile_side + y % tile_side) % 2;
+    return halves_[2 * tile + half] & ~chosen;
+}
+
 std::uint64_t AdaptiveSchedule::samples() const {
     if (halves_.empty()) return uniform_.samples() - pending_.samples();
     return done_ + std::uint64_t(entry_) * round_.unit + sample_;

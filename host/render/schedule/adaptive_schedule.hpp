@@ -56,6 +56,8 @@ public:
     [[nodiscard]] Batch next(std::uint32_t most_paths = ~std::uint32_t(0));
     [[nodiscard]] std::uint32_t complete_passes_spp() const;
     [[nodiscard]] std::uint64_t samples() const;
+    /// Samples of a pixel; between passes.
+    [[nodiscard]] std::uint32_t samples_of(std::uint32_t pixel) const;
     [[nodiscard]] bool between_passes() const { return pending_.empty() && !in_round() && uniform_.between_passes(); }
     /// Continues up to more samples per pixel; not with adaptive sampling.
     void extend(std::uint32_t spp) { spp_ = spp, budget_ = pixels() * spp, uniform_.extend(spp); }

@@ -199,26 +199,10 @@ typedef struct NoiseSums {
 } NoiseSums;
 CLARAY_LAYOUT(NoiseSums, 16)
 
-/// Sums over some pixels, to compute the error of an image.
-typedef struct ErrorSums {
-    float variance;  // of the pixels' means, all channels
-    float squares;   // of the variances of the pixels
-    float value;     // of the pixels' means, all channels
-    uint pixels;     // pixels with samples of even and of odd index
-} ErrorSums;
-CLARAY_LAYOUT(ErrorSums, 16)
-
 // Items and their groups that sum up a film. Sums are rounded in the order of these on all devices, since adaptive
 // sampling and stops at an error depend on them.
 #define CLARAY_SUM_ITEMS 65536u
 #define CLARAY_SUM_GROUP 256u
-
-/// Results of one pass over the film.
-typedef struct FilmSums {
-    NoiseSums noise;
-    ErrorSums error;  // set if samples of odd index have their own sums
-} FilmSums;
-CLARAY_LAYOUT(FilmSums, 32)
 
 CLARAY_SHARED_END
 
