@@ -46,30 +46,71 @@ ReferenceImage reference_of(const Device& device, const Scene& scene, const Opti
                            {.least_spp = 4096, .uncertainty = error, .folder = options.references});
 }
 
-/// One render to an error.
-struct Trial {
-    double error = 0, estimate = 0, of_half = 0;  // of_half: error after half of the samples
-    unsigned spp = 0;
-    bool is_sure = true;  // fireflies have little of the error
+/// Renders to an error, of several seeds.
+class Trials {
+public:
+    struct Trial {
+        std::uint32_t seed = 0;
+        double error = 0, estimate = 0;
+        unsigned spp = 0;
+        bool is_sure = true;  // fireflies have little of the error
+    };
+
+    Trials(const Device& device, const Scene& scene, const ReferenceImage& reference, const Options& options,
+           double target)
+        : device_(device), scene_(scene), reference_(reference), options_(options), target_(target) {
+        for (std::uint32_t seed = 1000; seed < 1000 + options.seeds; ++seed) {
+            Renderer renderer(device, scene, config(seed, 1u << 24, target));
+            const RenderProgress reached = renderer.render();
+            all_.push_back({seed, error_of(renderer), reached.error, reached.spp, reached.error_is_sure()});
+        }
+    }
+
+    [[nodiscard]] const std::vector<Trial>& all() const { return all_; }
+    /// The median of the samples over the least, in sixteenths, by which the mean squared error reaches the target.
+    [[nodiscard]] double over_least() const {
+        unsigned few = 1, enough = 16;
+        while (enough - few > 1) {
+            const unsigned between = (few + enough) / 2;
+            (reaches(between) ? enough : few) = between;
+        }
+        return 16.0 / enough;
+    }
+
+private:
+    [[nodiscard]] RenderConfig config(std::uint32_t seed, unsigned spp, double error) const {
+        RenderConfig config{.width = options_.size, .height = options_.size, .spp = spp, .seed = seed, .error = error};
+        config.adaptive = options_.adaptive;
+        return config;
+    }
+    [[nodiscard]] double error_of(const Renderer& renderer) const {
+        return true_error(renderer.image(), reference_, options_.size);
+    }
+    [[nodiscard]] bool reaches(unsigned sixteenths) const {
+        double squares = 0;
+        for (const Trial& trial : all_) {
+            const unsigned spp = (trial.spp * sixteenths + 15) / 16;
+            if (spp == trial.spp) {
+                squares += trial.error * trial.error;
+                continue;
+            }
+            Renderer renderer(device_, scene_, config(trial.seed, spp, 0));
+            renderer.render();
+            squares += std::pow(error_of(renderer), 2);
+        }
+        return squares <= target_ * target_ * double(all_.size());
+    }
+
+    const Device& device_;
+    const Scene& scene_;
+    const ReferenceImage& reference_;
+    const Options& options_;
+    double target_;
+    std::vector<Trial> all_;
 };
 
-Trial trial_of(Renderer& renderer, const ReferenceImage& reference, unsigned width) {
-    const RenderProgress reached = renderer.render();
-    return {true_error(renderer.image(), reference, width), reached.error, 0, reached.spp, reached.error_is_sure()};
-}
-
-/// The samples by which these trials would have reached the target on average, if their squared error falls on as
-/// between half of the samples and all.
-double least_samples(const std::vector<Trial>& trials, double target) {
-    double squares = 0, of_half = 0, logarithm = 0;
-    for (const Trial& t : trials)
-        squares += t.error * t.error, of_half += t.of_half * t.of_half, logarithm += std::log(t.spp);
-    const double power = std::clamp(std::log2(of_half / squares), 0.8, 2.0), count = double(trials.size());
-    return std::exp(logarithm / count) * std::pow(squares / count / (target * target), 1 / power);
-}
-
 void coverage(const Device& device, const Options& options) {
-    measure::Csv csv(options.csv, device, "scene,target,seed,spp,estimate,error,error_at_half,sure");
+    measure::Csv csv(options.csv, device, "scene,target,seed,spp,estimate,error,sure,over_least");
     unsigned runs = 0, held = 0, unsure = 0;
     std::vector<double> costs;
     std::printf("%-18s %7s %6s %6s %9s %9s %11s %7s %10s\n", "scene", "target", "held", "unsure", "median/E", "most/E",
@@ -79,42 +120,26 @@ void coverage(const Device& device, const Options& options) {
         const double finest = *std::min_element(options.targets.begin(), options.targets.end());
         const ReferenceImage reference = reference_of(device, scene, options, finest / 8);
         for (const double target : options.targets) {
-            std::vector<Trial> trials;
+            const Trials trials(device, scene, reference, options, target);
             std::vector<double> ratios, estimates, spp;
-            unsigned good = 0, unsure_here = 0;
-            for (unsigned seed = 0; seed < options.seeds; ++seed) {
-                RenderConfig config{.width = options.size,
-                                    .height = options.size,
-                                    .spp = 1u << 24,
-                                    .seed = 1000 + seed,
-                                    .error = target};
-                config.adaptive = options.adaptive;
-                Renderer renderer(device, scene, config);
-                Trial trial = trial_of(renderer, reference, options.size);
-                renderer.restart(config.seed, std::max(1u, trial.spp / 2));
-                renderer.render();
-                trial.of_half = true_error(renderer.image(), reference, options.size);
-                csv.row(name, target, seed, trial.spp, trial.estimate, trial.error, trial.of_half, trial.is_sure);
-                trials.push_back(trial);
-                ratios.push_back(trial.error / target), estimates.push_back(trial.estimate / trial.error),
-                    spp.push_back(trial.spp);
-                unsure_here += !trial.is_sure, good += trial.is_sure && trial.error <= target;
+            unsigned sure = 0, good = 0;
+            costs.push_back(trials.over_least());
+            for (const Trials::Trial& trial : trials.all()) {
+                csv.row(name, target, trial.seed, trial.spp, trial.estimate, trial.error, trial.is_sure, costs.back());
+                ratios.push_back(trial.error / target), estimates.push_back(trial.estimate / trial.error);
+                spp.push_back(trial.spp), sure += trial.is_sure, good += trial.is_sure && trial.error <= target;
             }
-            runs += options.seeds, held += good, unsure += unsure_here;
-            costs.push_back(measure::median(spp) / least_samples(trials, target));
-            std::printf("%-18s %7.3f %4u/%u %6u %9.3f %9.3f %11.3f %7.0f %10.2f\n", name.c_str(), target, good,
-                        options.seeds - unsure_here, unsure_here, measure::median(ratios),
-                        *std::max_element(ratios.begin(), ratios.end()), measure::median(estimates),
-                        measure::median(spp), costs.back());
+            runs += sure, held += good, unsure += options.seeds - sure;
+            std::printf("%-18s %7.3f %4u/%u %6u %9.3f %9.3f %11.3f %7.0f %10.2f\n", name.c_str(), target, good, sure,
+                        options.seeds - sure, measure::median(ratios), *std::max_element(ratios.begin(), ratios.end()),
+                        measure::median(estimates), measure::median(spp), costs.back());
             std::fflush(stdout);
         }
     }
-    std::printf(
-        "%u of %u renders without much error by fireflies are within their target (%.1f %%), %u are unsure; samples "
-        "over the least: "
-        "median %.2f, most %.2f\n",
-        held, runs - unsure, 100.0 * held / std::max(1u, runs - unsure), unsure, measure::median(costs),
-        *std::max_element(costs.begin(), costs.end()));
+    std::printf("%u of %u renders without much error by fireflies are within their target (%.1f %%), %u are unsure\n",
+                held, runs, 100.0 * held / std::max(1u, runs), unsure);
+    std::printf("samples over the least: median %.2f, most %.2f\n", measure::median(costs),
+                *std::max_element(costs.begin(), costs.end()));
     csv.write();
 }
 
