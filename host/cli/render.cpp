@@ -131,6 +131,15 @@ bool write_rendered(const PictureJob& job, Renderer& renderer, const std::vector
     return is_written;
 }
 
+/// The error that --error does not limit, by pixels without approximations.
+double error_without_approximations(const Device& device, const Scene& scene, RenderConfig config,
+                                    Renderer& approximate) {
+    config.approximate = {}, config.light_grid = {};
+    config.checkpoint.clear(), config.resume.clear();
+    Renderer exact(device, scene, config);
+    return approximation_error(approximate, exact);
+}
+
 /// Returns false if it was interrupted.
 bool render_picture(const PictureJob& job, const Scene& scene, RenderOptions options, Writes& writes) {
     const Device& device = job.devices.front();
@@ -145,8 +154,10 @@ bool render_picture(const PictureJob& job, const Scene& scene, RenderOptions opt
     }
     PictureRenderer picture(job, scene, config);
 
-    const Outcome outcome = run_renderer(job, picture, options, plan ? &*plan : nullptr);
+    Outcome outcome = run_renderer(job, picture, options, plan ? &*plan : nullptr);
     Renderer& renderer = picture.renderer();
+    if (config.error > 0 && config.approximate.any() && !outcome.interrupted)
+        outcome.approximation_error = error_without_approximations(device, scene, config, renderer);
     const std::vector<DeviceShare> shares = picture.group ? picture.group->shares() : std::vector<DeviceShare>();
     const Denoised denoised = denoise(renderer, options);
     const std::vector<glm::vec3> pixels = options.denoiser ? denoised.image : renderer.image();

@@ -8,13 +8,28 @@
 namespace claray {
 namespace {
 
-/// Makes another seed of that of the image.
-constexpr std::uint32_t control_word = 0x5c3a1d27u;
+/// They make other seeds of that of the image.
+constexpr std::uint32_t control_word = 0x5c3a1d27u, second_word = 0x1b56c4e9u;
 
 /// The samples that a control pixel has and those that it is to have.
 struct SampleRange {
     std::uint32_t first, end;
     auto operator<=>(const SampleRange&) const = default;
+};
+
+/// Other random numbers than the image's, until the end of the scope.
+class ScopedSeed {
+public:
+    ScopedSeed(FrameData& frame, std::uint32_t word) : frame_(frame), before_(frame.seed) {
+        frame.seed = hash_words(before_, word);
+    }
+    ~ScopedSeed() { frame_.seed = before_; }
+    ScopedSeed(const ScopedSeed&) = delete;
+    ScopedSeed& operator=(const ScopedSeed&) = delete;
+
+private:
+    FrameData& frame_;
+    std::uint32_t before_;
 };
 
 }  // namespace
@@ -27,7 +42,7 @@ Renderer::State::ErrorLook Renderer::State::look_at_controls() {
     const auto is_lit = [](const glm::vec3& c) { return c.x + c.y + c.z > 0; };
     if (controls.empty() && std::ranges::any_of(look.image, is_lit))
         controls = pick_control_pixels(look.expected, config.seed);
-    sample_controls();
+    sample_controls(controls, sampling.schedule, control_word);
     return look;
 }
 
@@ -46,14 +61,27 @@ double Renderer::error_of(std::span<const glm::vec3> image) {
     return error_of_other(image, look.image, look.expected, state_->error.progress.controls);
 }
 
+double approximation_error(Renderer& approximate, Renderer& exact) {
+    Renderer::State &a = state_of(approximate), &e = state_of(exact);
+    if (a.config.width != e.config.width || a.config.height != e.config.height)
+        throw Error(ErrorKind::usage, "both renders need the same size", "make a renderer of that size");
+    const Renderer::State::ErrorLook look = a.look_at_controls();
+    std::vector<ControlPixel> first = a.error.progress.controls;
+    for (ControlPixel& control : first) control.sums = {};
+    std::vector<ControlPixel> second = first;
+    e.sample_controls(first, a.sampling.schedule, control_word);
+    e.sample_controls(second, a.sampling.schedule, second_word);
+    return error_by_both(look.image, first, second);
+}
+
 /// Control pixels that lack the same samples are traced together. Each has an entry that names its pixel in the image,
 /// and one that names its place among the control pixels, for their film.
-void Renderer::State::sample_controls() {
-    std::vector<ControlPixel>& controls = error.progress.controls;
+void Renderer::State::sample_controls(std::vector<ControlPixel>& controls, const AdaptiveSchedule& like,
+                                      std::uint32_t word) {
     std::map<SampleRange, std::vector<std::uint32_t>> missing;
     for (std::uint32_t k = 0; k < controls.size(); ++k) {
         const std::uint32_t done = controls[k].sums.count + controls[k].sums.dropped;
-        const std::uint32_t wanted = sampling.schedule.samples_of(controls[k].pixel);
+        const std::uint32_t wanted = like.samples_of(controls[k].pixel);
         if (done < wanted) missing[{done, wanted}].push_back(k);
     }
     if (missing.empty()) return;
@@ -69,14 +97,13 @@ void Renderer::State::sample_controls() {
     for (const ControlPixel& control : controls) sums.push_back(control.sums);
     Film film(device, std::uint32_t(controls.size()), config.sample_clamp);
     film.set_sums(sums);
-    wavefront.frame.seed = hash_words(config.seed, control_word);
+    const ScopedSeed others(wavefront.frame, word);
     std::uint32_t entry = 0;
     for (const auto& [range, numbers] : missing) {
         trace_controls({entry, std::uint32_t(numbers.size()), range.first, range.end - range.first, 1}, film,
                        first_word / 2, buffers.where.listed_pixels + film_word);
         entry += std::uint32_t(numbers.size());
     }
-    wavefront.frame.seed = config.seed;
     film.read_sums(sums);
     for (std::size_t k = 0; k < controls.size(); ++k) controls[k].sums = sums[k];
 }

@@ -212,8 +212,8 @@ struct Renderer::State {
         std::span<const glm::vec3> image;
     };
     [[nodiscard]] ErrorLook look_at_controls();
-    /// Takes the samples of the control pixels that the image has and they have not.
-    void sample_controls();
+    /// Takes the samples that control pixels lack, up to those of `like`, by other random numbers for each `word`.
+    void sample_controls(std::vector<ControlPixel>& controls, const AdaptiveSchedule& like, std::uint32_t word);
     void trace_controls(const Batch& all, Film& film, std::uint32_t first_entry, std::uint32_t listed);
     void trace_beside(const Batch& batch, const std::function<void(const Batch&)>& add);
 

@@ -376,6 +376,11 @@ private:
     std::shared_ptr<State> state_;
 };
 
+/// Estimates the error of a render with approximations, as ImageError::rmse; 0 if it is too small to tell. `exact` is a
+/// renderer of the same scene and size without them. It renders the control pixels of `approximate` twice, each with as
+/// many samples, and needs no samples of its own. Throws ErrorKind::usage for other sizes. Blocks.
+[[nodiscard]] double approximation_error(Renderer& approximate, Renderer& exact);
+
 /// Compiles the kernels that renders of scenes with exactly these effects need, and stores them in the cache. Kernels
 /// that trace primitives are compiled with their scene. Throws ErrorKind::device with the compiler's log.
 void compile_kernels(const Device& device, EffectSet effects, const RenderConfig& config = {});

@@ -127,6 +127,17 @@ def test_the_memory_of_the_denoiser_is_given_back():
     assert (renderer.image(denoise="claray") == image).all()
 
 
+def test_error_map_tells_how_far_pixels_are_from_the_truth():
+    scene = claray.load("crate")
+    truth = claray.Renderer(scene, width=48, height=48, spp=2048, seed=3).image()
+    renderer = claray.Renderer(scene, width=48, height=48, spp=32)
+    widths = renderer.error_map()
+    assert widths.shape == (48, 48) and widths.dtype == np.float32
+    luminance = np.array([0.2126, 0.7152, 0.0722])
+    within = abs((renderer.image() - truth) @ luminance) <= widths
+    assert 0.91 < within.mean() < 0.99
+
+
 def test_aovs_agree_with_rays():
     scene = claray.load("cornell")
     size = 16

@@ -306,6 +306,8 @@ void print_as_text(const Device& device, const Renderer& renderer, const RenderO
     print_shares(shares);
     if (*denoised.by) std::printf("denoised by %s in %.2f s\n", denoised.by, denoised.seconds);
     if (denoised.error > 0) std::printf("error of the denoised image: about %.3g\n", denoised.error);
+    if (outcome.approximation_error > 0)
+        std::printf("error with the approximations: about %.3g\n", outcome.approximation_error);
     tell_cut_off(renderer, options.config.max_depth);
     if (const std::string why = renderer.why_unguided(); !options.asks_for_guiding && !why.empty())
         std::printf("%s\n", why.c_str());
@@ -333,6 +335,7 @@ void print_as_json(const Device& device, const Renderer& renderer, const RenderO
         {"error", outcome.progress.error},
         {"error_bound", outcome.progress.error_bound},
         {"error_of_fireflies", outcome.progress.error_of_fireflies},
+        {"approximation_error", outcome.approximation_error},
         {"cut_off", renderer.cut_off()},
         {"measuring_seconds", s.measuring_seconds},
         {"interrupted", outcome.interrupted},

@@ -34,6 +34,7 @@ void check_denoiser(DenoiserKind kind);
 struct Outcome {
     RenderProgress progress;
     bool interrupted = false;
+    double approximation_error = 0;  ///< of --error with --approximate; 0: not asked for, or too small to tell
 };
 
 /// Warns of options that changed nothing: --adaptive without a round, --guide without a guided path.

@@ -137,7 +137,8 @@ std::vector<float> expected_variances(std::span<const float> variances, std::uin
 
 std::vector<ControlPixel> pick_control_pixels(std::span<const float> expected, std::uint32_t seed) {
     const auto pixels = std::uint32_t(expected.size());
-    const std::uint32_t wanted = std::clamp(pixels / share_of_controls, least_controls, most_control_pixels);
+    const std::uint32_t most = most_control_pixels - 1;  // systematic sampling may pick one more
+    const std::uint32_t wanted = std::clamp(pixels / share_of_controls, least_controls, most);
     const std::vector<double> chances = chances_of(expected, std::min(wanted, pixels));
     std::mt19937 random(seed);
     double next = random() / 4294967296.0, sum = 0;
@@ -217,6 +218,20 @@ double error_of_other(std::span<const glm::vec3> other, std::span<const glm::vec
         sum += weight * (glm::dot(difference, difference) / 3 - errors.square(k)), weights += weight;
     }
     return sum > 0 ? std::sqrt(sum / weights) : 0;
+}
+
+/// The product of the differences to independent estimates has the squared error as its expectation.
+double error_by_both(std::span<const glm::vec3> image, std::span<const ControlPixel> first,
+                     std::span<const ControlPixel> second) {
+    const double mean = mean_of(image);
+    if (!(mean > 0) || first.empty()) return 0;
+    double sum = 0, weights = 0;
+    for (std::size_t k = 0; k < first.size(); ++k) {
+        const double weight = 1 / double(first[k].chance);
+        sum += weight * glm::dot(difference_at(first[k], image), difference_at(second[k], image)) / 3;
+        weights += weight;
+    }
+    return sum > 0 ? std::sqrt(sum / weights) / mean : 0;
 }
 
 void ErrorProgress::add(const ErrorEstimate& estimate, std::uint32_t samples) {

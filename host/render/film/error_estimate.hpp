@@ -52,6 +52,10 @@ struct ErrorEstimate {
 [[nodiscard]] double error_of_other(std::span<const glm::vec3> other, std::span<const glm::vec3> image,
                                     std::span<const float> expected, std::span<const ControlPixel> controls);
 
+/// The error of an image, as error_of_other, by two independent estimates of the same pixels.
+[[nodiscard]] double error_by_both(std::span<const glm::vec3> image, std::span<const ControlPixel> first,
+                                   std::span<const ControlPixel> second);
+
 /// The knowledge of a render about its error. It decides where a render stops; therefore checkpoints store it.
 struct ErrorProgress {
     ErrorEstimate last;

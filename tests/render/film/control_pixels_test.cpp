@@ -83,5 +83,23 @@ TEST(ErrorMap, HoldsTheTruthInNineteenOfTwentyPixels) {
     EXPECT_EQ(black.error_map(), std::vector<float>(256)) << "before the first sample";
 }
 
+TEST(ApproximationError, IsTheErrorToTheExactImage) {
+    const Scene scene = *builtin_scene("spheres");
+    RenderConfig config{.width = 64, .height = 64, .spp = 64};
+    Renderer truth(device(), scene, {.width = 64, .height = 64, .spp = 4096, .seed = 7});
+    truth.render();
+    config.approximate.no_shadows = true;
+    Renderer approximate(device(), scene, config);
+    approximate.render();
+    config.approximate = {};
+    Renderer exact(device(), scene, config);
+    const double error = image_error(approximate.image(), truth.image(), 64).rmse;
+    EXPECT_GT(error, 0.05) << "shadows are missing";
+    EXPECT_NEAR(approximation_error(approximate, exact) / error, 1, 0.1);
+    config.width = 32;
+    Renderer other(device(), scene, config);
+    EXPECT_THROW((void)approximation_error(approximate, other), Error);
+}
+
 }  // namespace
 }  // namespace claray::test
