@@ -7,6 +7,7 @@
 #include <random>
 
 #include "host/lights/luminance.hpp"
+#include "host/render/film/pixels.hpp"
 
 namespace claray {
 namespace {
@@ -64,12 +65,6 @@ glm::dvec3 mean_of(const ColorSum& sum, double count) {
 /// What differs between both estimates of a control pixel.
 glm::dvec3 difference_at(const ControlPixel& control, std::span<const glm::vec3> image) {
     return glm::dvec3(image[control.pixel]) - mean_of(control.sums.all, std::max(1u, control.sums.count));
-}
-
-double mean_of(std::span<const glm::vec3> image) {
-    double sum = 0;
-    for (const glm::vec3& c : image) sum += double(c.x) + c.y + c.z;
-    return sum / (3 * double(image.size()));
 }
 
 /// What the control pixels tell, relative to the mean of the image.
