@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "host/lights/light_lists.hpp"
@@ -12,7 +13,7 @@
 namespace claray::verify {
 namespace {
 
-constexpr double pi = 3.141592653589793;
+using std::numbers::pi;
 
 // ---- picks from lists --------------------------------------------------------------------------------------------
 
