@@ -16,6 +16,7 @@
 #include "bench/support.hpp"
 #include "claray/accuracy.hpp"
 #include "claray/plan/target.hpp"
+#include "host/lights/luminance.hpp"
 
 using namespace claray;
 
@@ -143,14 +144,12 @@ void coverage(const Device& device, const Options& options) {
     csv.write();
 }
 
-double luminance_of(const glm::vec3& c) { return 0.2126 * double(c.x) + 0.7152 * double(c.y) + 0.0722 * double(c.z); }
-
 /// The part of the pixels whose true luminance is within their intervals.
 double share_within(const std::vector<glm::vec3>& image, const std::vector<float>& widths,
                     const std::vector<glm::vec3>& truth) {
     unsigned within = 0;
     for (std::size_t i = 0; i < image.size(); ++i)
-        within += std::abs(luminance_of(image[i]) - luminance_of(truth[i])) <= double(widths[i]);
+        within += std::abs(luminance(image[i]) - luminance(truth[i])) <= double(widths[i]);
     return double(within) / double(image.size());
 }
 

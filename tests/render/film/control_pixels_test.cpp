@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "host/lights/luminance.hpp"
 #include "host/render/film/image_error.hpp"
 #include "host/render/renderer_state.hpp"
 #include "tests/render/scenes.hpp"
@@ -70,10 +71,9 @@ TEST(ErrorMap, HoldsTheTruthInNineteenOfTwentyPixels) {
     renderer.render();
     const std::vector<glm::vec3> image = renderer.image();
     const std::vector<float> widths = renderer.error_map();
-    const auto luminance_of = [](const glm::vec3& c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; };
     double within = 0;
     for (std::size_t i = 0; i < image.size(); ++i)
-        within += std::abs(luminance_of(image[i]) - luminance_of(expected[i])) <= widths[i];
+        within += std::abs(luminance(image[i]) - luminance(expected[i])) <= double(widths[i]);
     EXPECT_NEAR(within / double(image.size()), 0.95, 0.02);
 
     const double denoised = image_error(renderer.denoised(DenoiserKind::claray), expected, 64).rmse;
