@@ -1,11 +1,13 @@
 // What choosing by target holds of what it promises, at small sizes:
-//   bench_target coverage|intervals|sweep|time|overhead [--scenes NAME,...] [--targets E,...] [--size N] [--seeds N]
+//   bench_target coverage|study|intervals|sweep|time|overhead [--scenes NAME,...] [--targets E,...] [--size N] [--seeds
+//   N]
 //   [--adaptive]
 //       [--references FOLDER] [--csv FILE]
 // coverage: renders to an error, against references: how many reach it, by how much, and with how many more samples
-// than needed. intervals: how many pixels have their true luminance within Renderer::error_map, and how well the error
-// of a denoised image is predicted. sweep: what an error costs by the planner's choice, over what it costs by every
-// fixed choice of builder and sampler. time: how well times are kept. overhead: what measuring takes.
+// than needed. study: coverage of forty scenes, three errors each. intervals: how many pixels have their true luminance
+// within Renderer::error_map, and how well the error of a denoised image is predicted. sweep: what an error costs by
+// the planner's choice, over what it costs by every fixed choice of builder and sampler. time: how well times are kept.
+// overhead: what measuring takes.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -110,17 +112,22 @@ private:
     std::vector<Trial> all_;
 };
 
-void coverage(const Device& device, const Options& options) {
+struct Subject {
+    std::string scene;
+    std::vector<double> targets;
+};
+
+void cover(const Device& device, const Options& options, const std::vector<Subject>& subjects) {
     measure::Csv csv(options.csv, device, "scene,target,seed,spp,estimate,error,sure,over_least");
     unsigned runs = 0, held = 0, unsure = 0;
     std::vector<double> costs;
-    std::printf("%-18s %7s %6s %6s %9s %9s %11s %7s %10s\n", "scene", "target", "held", "unsure", "median/E", "most/E",
+    std::printf("%-25s %7s %6s %6s %9s %9s %11s %7s %10s\n", "scene", "target", "held", "unsure", "median/E", "most/E",
                 "estimate/e", "spp", "over least");
-    for (const std::string& name : options.scenes) {
+    for (const auto& [name, targets] : subjects) {
         const Scene scene = scene_of(name);
-        const double finest = *std::min_element(options.targets.begin(), options.targets.end());
+        const double finest = *std::min_element(targets.begin(), targets.end());
         const ReferenceImage reference = reference_of(device, scene, options, finest / 8);
-        for (const double target : options.targets) {
+        for (const double target : targets) {
             const Trials trials(device, scene, reference, options, target);
             std::vector<double> ratios, estimates, spp;
             unsigned sure = 0, good = 0;
@@ -131,7 +138,7 @@ void coverage(const Device& device, const Options& options) {
                 spp.push_back(trial.spp), sure += trial.is_sure, good += trial.is_sure && trial.error <= target;
             }
             runs += sure, held += good, unsure += options.seeds - sure;
-            std::printf("%-18s %7.3f %4u/%u %6u %9.3f %9.3f %11.3f %7.0f %10.2f\n", name.c_str(), target, good, sure,
+            std::printf("%-25s %7.3f %4u/%u %6u %9.3f %9.3f %11.3f %7.0f %10.2f\n", name.c_str(), target, good, sure,
                         options.seeds - sure, measure::median(ratios), *std::max_element(ratios.begin(), ratios.end()),
                         measure::median(estimates), measure::median(spp), costs.back());
             std::fflush(stdout);
@@ -142,6 +149,53 @@ void coverage(const Device& device, const Options& options) {
     std::printf("samples over the least: median %.2f, most %.2f\n", measure::median(costs),
                 *std::max_element(costs.begin(), costs.end()));
     csv.write();
+}
+
+void coverage(const Device& device, const Options& options) {
+    std::vector<Subject> subjects;
+    for (const std::string& name : options.scenes) subjects.push_back({name, options.targets});
+    cover(device, options, subjects);
+}
+
+/// Built-in scenes of many kinds. The errors are finer where four samples would already reach the first, and coarser
+/// where few paths carry most of the light.
+void study(const Device& device, const Options& options) {
+    std::vector<Subject> subjects;
+    const auto add = [&](std::vector<double> targets, std::initializer_list<const char*> names) {
+        for (const char* name : names) subjects.push_back({name, targets});
+    };
+    add({0.08, 0.04, 0.02}, {"cornell", "spheres", "fan:2000", "soup:2000"});
+    add({0.04, 0.02, 0.01}, {"crate", "hills", "terrain:2000", "terrain:50000", "ball:2000", "curves:3000"});
+    const auto add_effects = [&](std::vector<double> targets, std::initializer_list<const char*> names) {
+        for (const char* name : names) subjects.push_back({std::string("effect:") + name, targets});
+    };
+    add_effects({0.16, 0.08, 0.04}, {"clearcoat", "coated-metal", "hot-spots"});
+    add_effects({0.08, 0.04, 0.02}, {"anisotropy", "rough-glass", "many-lights"});
+    add_effects({0.04, 0.02, 0.01}, {"primitives",
+                                     "smooth-normals",
+                                     "mirror",
+                                     "glass",
+                                     "metal",
+                                     "principled",
+                                     "oren-nayar",
+                                     "thin-walls",
+                                     "transmission",
+                                     "specular",
+                                     "iridescence",
+                                     "sheen",
+                                     "absorption",
+                                     "nested-media",
+                                     "emissive-triangles",
+                                     "point-lights",
+                                     "directional-lights",
+                                     "sky",
+                                     "depth-of-field",
+                                     "camera-motion",
+                                     "textures",
+                                     "cut-outs",
+                                     "culling",
+                                     "instances"});
+    cover(device, options, subjects);
 }
 
 /// The part of the pixels whose true luminance is within their intervals.
@@ -343,6 +397,7 @@ int main(int argc, char** argv) try {
     };
     app.add_option("--times", options.times, "Seconds to render for [0.5 2 10 60]")->delimiter(',');
     add("coverage", "Errors reached against errors asked for", coverage);
+    add("study", "coverage of forty scenes; takes a GPU", study);
     add("intervals", "Pixels within their intervals, and errors of denoised images", intervals);
     add("sweep", "The planner against every fixed choice", sweep);
     add("time", "Times kept against times asked for", times);
