@@ -109,7 +109,9 @@ std::string Renderer::why_unguided() const {
     const State& s = *state_;
     if (!s.config.guide || s.words_of_guide() == 0 || !PathGuide::is_for(s.config) || s.config.spp <= unguided_spp)
         return {};
-    if (!s.buffers.effects.has(Effect::lambert)) return "paths are not guided: no surface is a plain Lambertian";
+    const auto has = [&](Effect kind) { return s.buffers.effects.has(kind); };
+    if (!(has(Effect::lambert) || has(Effect::oren_nayar) || has(Effect::blinn_phong) || has(Effect::principled)))
+        return "paths are not guided: no surface reflects diffusely";
     if (s.buffers.where.hot_spots != CLARAY_NO_TABLE) return "paths are not guided: some go to hot spots of lights";
     return {};
 }

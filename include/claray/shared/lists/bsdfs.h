@@ -51,6 +51,10 @@
 /// Kinds that are shaded with the normal as it is, not bent to the viewer, on whom diffuse light does not depend.
 #define CLARAY_IS_DIFFUSE(kind) ((kind) == CLARAY_LAMBERT || (kind) == CLARAY_OREN_NAYAR)
 
+/// Kinds whose diffuse lobe place_diffuse samples.
+#define CLARAY_HAS_DIFFUSE_LOBE(kind) \
+    ((kind) == CLARAY_BLINN_PHONG || (kind) == CLARAY_PRINCIPLED || (kind) == CLARAY_OREN_NAYAR)
+
 /// Parameters that only one BSDF reads. A row is X(name, "name in errors", default, check): Material::name and
 /// MaterialData::name; `check` is the range that validation requires: `share` (0..1) or `sound` (not negative, finite).
 #define CLARAY_BSDF_PARAMETERS(X) X(shininess, "shininess", 32.f, sound) /* blinn_phong: the highlight's exponent */
