@@ -264,7 +264,7 @@ std::string committed_hash(const std::string& name) {
         {"drawn scenes, denoised, as GPUs do it", "da5d281b29a39509e9cf7de3014fd4d0"},
         {"drawn scenes by tile-sum, as GPUs do it", "ec4d9cb1699748551a37eb61aa650e21"},
         {"drawn scenes by light-grid, as GPUs do it", "196ca2d23cd81dead1c50a3e1a85b77a"},
-        {"guided drawn scenes", "23fe5d30d30c3b5ee4651e501c316db5"},
+        {"guided drawn scenes", "87b795b59e6c961c8f958b168f7a89f3"},
         {"tree huge walls fast", "d555678f8f9e7cc78ff9f04769392352"},
         {"tree huge walls balanced", "af271f8dcff68c8e66f76f57a2d9d9ef"},
         {"tree huge walls high", "5257ab3aef4e976a7731c4c058d6dc64"},
