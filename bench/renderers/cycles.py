@@ -80,6 +80,15 @@ def add_part(part):
     bpy.context.collection.objects.link(bpy.data.objects.new("mesh", mesh))
 
 
+def import_gltf(file):
+    """Blender's importer has +x where ours is, and lights in W/m^2 as we do if it converts nothing."""
+    bpy.ops.import_scene.gltf(filepath=os.path.join(folder, file), export_import_convert_lighting_mode="RAW")
+    turn = AXES @ mathutils.Matrix(((1, 0, 0, 0), (0, 0, -1, 0), (0, 1, 0, 0), (0, 0, 0, 1))).inverted()
+    for thing in bpy.context.scene.objects:
+        if thing.parent is None:
+            thing.matrix_world = turn @ thing.matrix_world
+
+
 def add_camera():
     camera = bpy.data.cameras.new("camera")
     camera.sensor_fit = "VERTICAL"
@@ -158,6 +167,8 @@ bpy.ops.wm.read_factory_settings(use_empty=True)
 bpy.ops.preferences.addon_enable(module="cycles")  # PyPI's bpy begins without it
 for part in view["parts"]:
     add_part(part)
+if "gltf" in view:
+    import_gltf(view["gltf"])
 add_camera()
 add_sky()
 configure()

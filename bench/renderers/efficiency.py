@@ -1,10 +1,11 @@
 """Efficiency 1 / (mean squared error x time) of claray over Mitsuba 3 with its multijitter sampler, or over Blender's Cycles, at equal samples.
 
-    pip install mitsuba numpy        (and LLVM, whose library DRJIT_LIBLLVM_PATH names)
+    pip install mitsuba numpy pillow        (and LLVM, whose library DRJIT_LIBLLVM_PATH names)
     python3 bench/renderers/efficiency.py build/bin/claray [NAME...] [--sponza sponza.obj] [--spp 64] [--size 224] [--seeds 4]
     python3 bench/renderers/efficiency.py build/bin/claray [NAME...] --gpu --spp 256 --size 1024
     python3 bench/renderers/efficiency.py build/bin/claray [NAME...] --peer cycles        (Debian's package blender, or PyPI's bpy)
 
+Six scenes are written as OBJ, and five as glTF (gltf_scenes.py).
 Both render the same triangles, with box filters, to the same depth. The squared error is the variance of pixels over renders with
 different seeds. Time is that of sampling, of all processors and by the clock: neither loading, nor building trees, nor compiling
 kernels. On GPUs it is by the clock, of Mitsuba's variant for CUDA and of the first GPU that claray lists. "Apart" is the squared
@@ -26,7 +27,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+import gltf_scenes
 import scenes
+from gltf import Gltf
 from scenes import read_pfm, write_obj, write_pfm
 
 COLUMNS = ("scene", "size", "spp", "peer", "setting", "mean", "apart", "squared_error", "processor_seconds", "clock_seconds",
@@ -44,10 +47,17 @@ class Renders(NamedTuple):
         return self.images.var(0, ddof=1).mean() / self.images.mean() ** 2
 
 
+def is_gltf(scene):
+    return len(scene["parts"][0][0]) == 4  # meshes of meshes.py
+
+
 def write_for_claray(scene, folder):
     """Returns the words of the command line that name the scene."""
-    path, environment = pathlib.Path(folder) / "scene.obj", pathlib.Path(folder) / "environment.pfm"
-    write_obj(scene, path)
+    path, environment = pathlib.Path(folder) / ("scene.gltf" if is_gltf(scene) else "scene.obj"), pathlib.Path(folder) / "environment.pfm"
+    if is_gltf(scene):
+        Gltf(scene).write(path)
+    else:
+        write_obj(scene, path)
     eye, target, sky = ("%.9g,%.9g,%.9g" % tuple(scene.get(key, (0, 0, 0))) for key in ("eye", "target", "sky"))
     words = [str(path), "--camera", eye, "--look-at", target, "--fov", str(scene["fov"]), "--max-depth", str(scene["depth"])]
     if "environment" not in scene:
@@ -112,8 +122,14 @@ def by_mitsuba(scene, size, spp, seeds, gpu, sampler="multijitter"):
     if "environment" in scene:  # Mitsuba's first column is at -z, claray's middle one
         turned = np.roll(scene["environment"], scene["environment"].shape[1] // 2, 1).astype(np.float32)
         loaded["environment"] = dict(type="envmap", bitmap=mi.Bitmap(turned))
-    for k, ((p, t), (kind, values), *normals) in enumerate(scene["parts"]):
-        loaded[f"p{k}"] = mitsuba_mesh(mi, p, t, kind, values, normals)
+    if is_gltf(scene):
+        import mitsuba_parts
+        loaded.update((f"p{k}", mitsuba_parts.shape_of(*part)) for k, part in enumerate(scene["parts"]))
+        if "light" in scene:
+            loaded["light"] = mitsuba_parts.light_of(scene["light"])
+    else:
+        for k, ((p, t), (kind, values), *normals) in enumerate(scene["parts"]):
+            loaded[f"p{k}"] = mitsuba_mesh(mi, p, t, kind, values, normals)
     world = mi.load_dict(loaded)
     np.array(mi.render(world, seed=100))  # compiles
     images, processor, clock = [], [], []
@@ -142,9 +158,12 @@ def write_for_cycles(scene, size, spp, seeds, folder):
 
     parts = [dict(positions=write(f"p{k}.f32", p, np.float32), triangles=write(f"t{k}.u32", t, np.uint32), kind=kind, values=values,
                   normals=write(f"n{k}.f32", normals[0], np.float32) if normals else None)
-             for k, ((p, t), (kind, values), *normals) in enumerate(scene["parts"])]
+             for k, ((p, t), (kind, values), *normals) in enumerate([] if is_gltf(scene) else scene["parts"])]
     view = dict(parts=parts, size=size, spp=spp, seeds=seeds, threads=len(os.sched_getaffinity(0)), bounces=scene["depth"] - 1,
                 fov=np.radians(scene["fov"]), camera_to_world=camera_to_world(scene), sky=scene.get("sky", (0, 0, 0)))
+    if is_gltf(scene):
+        Gltf(scene).write(pathlib.Path(folder) / "scene.gltf")
+        view["gltf"] = "scene.gltf"
     if "environment" in scene:
         image = scene["environment"]
         view["environment"] = image.shape[1], image.shape[0]
@@ -180,7 +199,7 @@ def row(name, label, renders, peer, options):
 def report(name, label, renders, peer, gpu):
     ratio = peer.squared_error() / renders.squared_error()
     processor = "" if gpu else f"  {renders.processor:.3f} s of processors, efficiency {ratio * peer.processor / renders.processor:.2f}"
-    print(f"{name:8} {label:21} mean {renders.images.mean():.5f}  apart {0 if renders is peer else apart(renders, peer):.3f}"
+    print(f"{name:13} {label:21} mean {renders.images.mean():.5f}  apart {0 if renders is peer else apart(renders, peer):.3f}"
           f"  MSE {renders.squared_error():.3e}{processor}  {renders.clock:.3f} s by the clock, efficiency {ratio * peer.clock / renders.clock:.2f}", flush=True)
 
 
@@ -200,7 +219,7 @@ def main():
     options = parser.parse_args()
     if options.gpu and options.peer == "cycles":
         parser.error("--gpu needs Mitsuba: Cycles of Debian has no kernels for OpenCL or CUDA")
-    known = scenes.all_scenes(options.sponza)
+    known = scenes.all_scenes(options.sponza) | gltf_scenes.all_scenes()
     unknown = [name for name in options.names if name not in known]
     if unknown:
         parser.error(f"unknown scene {unknown[0]}; choose from {' '.join(known)}")
@@ -221,6 +240,7 @@ def main():
             report(name, label, renders, peer, options.gpu)
             table.append(row(name, label, renders, peer, options))
             if options.pictures:
+                os.makedirs(options.pictures, exist_ok=True)
                 write_pfm(renders.images[0], pathlib.Path(options.pictures) / f"{name}_{label.replace(' ', '')}.pfm")
     if options.csv:
         with open(options.csv, "w", newline="") as file:
