@@ -124,6 +124,7 @@ MaterialData material_data(const Material& m, const EnergyTables& tables) {
             .coat_y = 0.f,
             .coat_z = 1.f,
             .custom = m.custom,
+            .maps = 0,    // of a scene with textures
             .shader = 0,  // of a scene whose materials share one
 #define CLARAY_ROW(name, text, standard, check) .name = m.name,
             CLARAY_BSDF_PARAMETERS(CLARAY_ROW)

@@ -80,6 +80,7 @@ SceneBuffers::TableWriter SceneBuffers::tables_of_materials(const Scene& scene) 
     std::vector<MaterialData> materials;
     for (const Material& material : scene.materials) {
         materials.push_back(material_data(material, energy));
+        materials.back().maps = bits_of_maps(material);
         materials.back().shader = shader_of(material, shaders).value_or(0);  // 0: not used
     }
     TableWriter writer;

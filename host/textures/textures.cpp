@@ -67,6 +67,9 @@ std::array<TextureUse, CLARAY_MAPS> maps_of(const Material& m) {
     return maps;
 }
 
+/// An anisotropic material without an image gets one, because it needs texture coordinates.
+bool lacks_direction(const Material& m) { return is_anisotropic(m) && !m.anisotropy_map.used(); }
+
 bool needs_tangents(std::uint32_t map) {
     return map == CLARAY_NORMAL_MAP || map == CLARAY_COAT_NORMAL_MAP || map == CLARAY_ANISOTROPY_MAP;
 }
@@ -150,7 +153,7 @@ private:
         uses_.push_back(data_of(use, slot));
     }
 
-    /// The slot of an image for an anisotropic material without one, because it needs texture coordinates.
+    /// The slot of the image of materials that lack one.
     std::uint32_t slot_of_no_direction() {
         const auto [at, fresh] = slots_.try_emplace(no_texture, std::uint32_t(textures_.size()));
         if (fresh) textures_.push_back(no_texture);
@@ -163,7 +166,7 @@ private:
             if (!uses[map].used()) continue;
             add_use(maps, map, uses[map], slot_of(uses[map].texture));
         }
-        if (!is_anisotropic(material) || material.anisotropy_map.used()) return;
+        if (!lacks_direction(material)) return;
         TextureUse use;
         use.uv_set = material.normal_map.used() ? material.normal_map.uv_set : 0;
         add_use(maps, CLARAY_ANISOTROPY_MAP, use, slot_of_no_direction());
@@ -230,6 +233,13 @@ void add_cutouts(const Cutouts& cutouts, std::size_t triangles, StoreWriter& wri
 }
 
 }  // namespace
+
+std::uint32_t bits_of_maps(const Material& material) {
+    const std::array<TextureUse, CLARAY_MAPS> uses = maps_of(material);
+    std::uint32_t bits = lacks_direction(material) ? 1u << CLARAY_ANISOTROPY_MAP : 0;
+    for (std::uint32_t map = 0; map < CLARAY_MAPS; ++map) bits |= uses[map].used() ? 1u << map : 0;
+    return bits;
+}
 
 bool has_colors(const Mesh& mesh) {
     return std::any_of(mesh.colors.begin(), mesh.colors.end(),

@@ -28,6 +28,9 @@ struct Textures {
     [[nodiscard]] Buffer<std::uint32_t> cutouts() const { return has_cutouts ? store : Buffer<std::uint32_t>(); }
 };
 
+/// The maps that a material has: bits of CLARAY_ALBEDO_MAP and so on.
+[[nodiscard]] std::uint32_t bits_of_maps(const Material& material);
+
 /// Returns whether the colour of some vertex changes the albedo.
 [[nodiscard]] bool has_colors(const Mesh& mesh);
 

@@ -39,13 +39,14 @@ typedef struct MaterialData {
     float film_thickness, film_thickness_min;  // nanometres; at a hit, the first is the thickness there
     float coat_x, coat_y, coat_z;              // normal of the coat at a hit, in the local frame
     uint custom;                               // number of the added BSDF; `energy` is where its parameters begin
+    uint maps;                                 // bits of CLARAY_ALBEDO_MAP and so on
     uint shader;  // number of the kernel that shades it, if the scene's materials have several
 #define CLARAY_MEMBER(name, text, standard, check) float name;
     CLARAY_BSDF_PARAMETERS(CLARAY_MEMBER)
 #undef CLARAY_MEMBER
 } MaterialData;
 #define CLARAY_MEMBER_SIZE(name, text, standard, check) +4
-CLARAY_LAYOUT(MaterialData, 160 CLARAY_BSDF_PARAMETERS(CLARAY_MEMBER_SIZE))
+CLARAY_LAYOUT(MaterialData, 164 CLARAY_BSDF_PARAMETERS(CLARAY_MEMBER_SIZE))
 
 // Lights are numbered: emissive triangles, near lights, far lights (lights.h), the environment. A random 32-bit
 // number selects the first light whose `cumulative` is not below it; if there is none, the environment. If a light tree

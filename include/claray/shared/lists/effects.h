@@ -59,8 +59,8 @@
     X(instance_motion, "instance-motion", INSTANCE_MOTION, 0, none, CLARAY_LANES_NONE, 0)                                   \
     X(primitives, "primitives", PRIMITIVES, 0, none, CLARAY_LANES_LISTS, 0)                                                 \
     X(vertex_colors, "vertex-colors", VERTEX_COLORS, 0, shade | aovs, CLARAY_LANES_NONE, 0)                                 \
-    X(textures, "textures", TEXTURES, 0, shade | aovs, CLARAY_LANES_NONE, 0)                                                \
-    X(mip_maps, "mip-maps", MIPMAPS, 0, shade | aovs, CLARAY_LANES_LISTS, 0)                                                \
+    X(textures, "textures", TEXTURES, 0, shade | aovs, CLARAY_LANES_SHADE, 0)                                               \
+    X(mip_maps, "mip-maps", MIPMAPS, 0, shade | aovs, CLARAY_LANES_ALL, 0)                                                  \
     X(nearest_levels, "nearest-levels", NEAREST_LEVELS, 0, shade | aovs, CLARAY_LANES_ALL, 0)                               \
     X(normal_maps, "normal-maps", NORMAL_MAPS, 0, shade | aovs, CLARAY_LANES_ALL, 0)                                        \
     X(height_maps, "height-maps", HEIGHT_MAPS, 0, shade | aovs, CLARAY_LANES_ALL, 0)                                        \
