@@ -26,8 +26,8 @@
 #define PLAIN_TASK (!BAKE && !SHADING)
 /// 1: shade_sixteen.clh shades the hits of plain materials; all hits, if there are no other materials.
 #define PLAIN_IN_LANES                                                                                                       \
-    (SIXTEEN && CLARAY_CPU && (USES(CLARAY_LAMBERT) || PLAIN_DIELECTRICS) && PLAIN_TASK && LIGHT_KINDS_USED == POINT_LIGHTS && \
-     !(TRIANGLE_LIGHTS && POINT_LIGHTS) && !EFFECTS_WITHOUT_LANES(CLARAY_NOT_SHADED))
+    (SIXTEEN && CLARAY_CPU && (USES(CLARAY_LAMBERT) || PLAIN_DIELECTRICS) && PLAIN_TASK && \
+     !EFFECTS_WITHOUT_LANES(CLARAY_NOT_SHADED))
 /// 1: dielectrics without coats and other layers count as plain.
 #define PLAIN_DIELECTRICS (USES(CLARAY_PRINCIPLED) && !LIGHT_GRID && !AMBIENT)
 #define SHADE_SIXTEEN (PLAIN_IN_LANES && MATERIALS == 1u << CLARAY_LAMBERT && !TEXTURES)

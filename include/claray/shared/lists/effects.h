@@ -45,7 +45,7 @@
     X(fog, "fog", FOG, 0, shade, CLARAY_LANES_NONE, CLARAY_EMITS)                                                           \
     X(emissive_triangles, "emissive-triangles", TRIANGLE_LIGHTS, 0, shade, CLARAY_LANES_ALL, CLARAY_SAMPLED | CLARAY_EMITS) \
     CLARAY_LIGHT_KINDS(LIGHT)                                                                                               \
-    X(light_falloff, "light-falloff", LIGHT_FALLOFF, 0, shade, CLARAY_LANES_LISTS, 0)                                       \
+    X(light_falloff, "light-falloff", LIGHT_FALLOFF, 0, shade, CLARAY_LANES_ALL, 0)                                         \
     X(linear_ranges, "linear-ranges", LINEAR_RANGES, 0, shade, CLARAY_LANES_ALL, 0)                                         \
     X(light_lists, "light-lists", LIGHT_LISTS, 0, shade, CLARAY_LANES_LISTS, CLARAY_AID)                                    \
     X(many_lights, "many-lights", LIGHT_TREE, 0, shade, CLARAY_LANES_ALL, CLARAY_AID)                                       \
