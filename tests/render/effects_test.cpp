@@ -92,10 +92,12 @@ TEST(Effects, SetsHaveRoomForMoreThanAWord) {
 TEST(Effects, TellWhatSixteenRaysAtOnceKnow) {
     const EffectSet diffuse = {Effect::lambert, Effect::emissive_triangles, Effect::smooth_normals, Effect::sky};
     EXPECT_TRUE(have_lanes(diffuse, CLARAY_LANES_SHADE));
-    for (const Effect unknown : {Effect::textures, Effect::instances, Effect::vertex_colors, Effect::nested_media}) {
+    for (const Effect unknown : {Effect::instances, Effect::vertex_colors, Effect::nested_media}) {
         EXPECT_FALSE(have_lanes(diffuse | EffectSet{unknown}, CLARAY_LANES_SHADE)) << name_of(unknown);
         EXPECT_FALSE(have_lanes(diffuse | EffectSet{unknown}, CLARAY_LANES_LISTS)) << name_of(unknown);
     }
+    EXPECT_TRUE(have_lanes(diffuse | EffectSet{Effect::textures}, CLARAY_LANES_SHADE));
+    EXPECT_FALSE(have_lanes(diffuse | EffectSet{Effect::textures}, CLARAY_LANES_LISTS));
     EXPECT_FALSE(have_lanes({Effect::light_lists}, CLARAY_LANES_SHADE));
     EXPECT_TRUE(have_lanes({Effect::light_lists}, CLARAY_LANES_LISTS));
     EXPECT_TRUE(have_lanes({Effect::absorption}, CLARAY_LANES_SHADE));
@@ -195,8 +197,10 @@ TEST(Effects, FindNothingInTheDark) {
     EXPECT_EQ(mean(render_image(plain_scene(), {.width = 16, .height = 16, .spp = 2})), glm::dvec3(0.0));
 }
 
-/// Where surfaces are diffuse and lights of one kind, CPUs shade sixteen rays at once
-/// (render/shade_sixteen.clh). Kernels that know of spots shade them one by one.
+/// Kernels with it shade rays one by one, and kernels with the other view lights one by one.
+constexpr Effect shaded_alone = Effect::vertex_colors, viewed_alone = Effect::spot_lights;
+
+/// Where surfaces are diffuse, CPUs shade sixteen rays at once (render/shade_sixteen.clh).
 TEST(Effects, DiffuseScenesAreShadedWithTheSameBitsSixteenAtOnce) {
     Scene dark = *builtin_scene("cornell");
     for (Material& m : dark.materials) m.emission = glm::vec3(0.f);
@@ -220,14 +224,17 @@ TEST(Effects, DiffuseScenesAreShadedWithTheSameBitsSixteenAtOnce) {
             config.effects.remove = {Effect::light_lists};
             const std::vector<glm::vec3> image = render_by_own_kernels(scenes[i], config);
             EXPECT_EQ(mean(image).x > 0, i != 1);
-            config.effects.add = {Effect::spot_lights};
-            EXPECT_TRUE(same_bits(image, render_image(scenes[i], config))) << "scene " << i << ", width " << width;
+            for (const Effect added : {shaded_alone, viewed_alone}) {
+                config.effects.add = {added};
+                EXPECT_TRUE(same_bits(image, render_image(scenes[i], config)))
+                    << "scene " << i << ", width " << width << ", " << name_of(added);
+            }
         }
 }
 
-/// The scenes' own kernels make the images of a kernel that also knows of spots, which shades surfaces one by one.
+/// The scenes' own kernels make the images of a kernel that shades surfaces one by one.
 void expect_same_bits_one_by_one(const std::vector<Scene>& scenes) {
-    EffectSet one_by_one = {Effect::spot_lights};  // and all else, so that one kernel compiles
+    EffectSet one_by_one = {shaded_alone};  // and all else, so that one kernel compiles
     for (const Scene& scene : scenes) one_by_one = one_by_one | effects_of(scene);
     one_by_one.remove(Effect::light_lists);
     for (std::size_t i = 0; i < scenes.size(); ++i)
@@ -299,6 +306,39 @@ TEST(Effects, SmoothSurfacesAndEnvironmentsAreShadedWithTheSameBitsSixteenAtOnce
         many_points.lights.push_back(point_light({0.8f + 0.08f * float(i), 4, 0.8f}, glm::vec3(6.4f)));
     ASSERT_TRUE(effects_of(many_points).has(Effect::many_lights) && effects_of(dark).has(Effect::smooth_normals));
     expect_same_bits_one_by_one({lamp, smooth, dark, points, many_points});
+}
+
+/// Bare dielectrics are shaded so as well, smooth or not, and maps of albedo, roughness and metallic value are applied.
+/// Where such a map makes metal or a mirror, rays are shaded one by one.
+TEST(Effects, MappedDielectricsAreShadedWithTheSameBitsSixteenAtOnce) {
+    Scene plastic = *builtin_scene("cornell");
+    for (std::size_t i = 0; i < plastic.materials.size(); ++i) {
+        Material& m = plastic.materials[i];
+        if (m.emission.x > 0 || i % 3 == 2) continue;
+        m.kind = MaterialKind::principled, m.roughness = 0.2f + 0.3f * float(i % 3);
+    }
+    Scene smooth = plastic;
+    for (std::size_t i = 0; i < smooth.meshes.size(); i += 2)
+        for (const glm::vec3& at : smooth.meshes[i].positions)
+            smooth.meshes[i].normals.push_back(glm::normalize(glm::vec3(0.25f, 0.3f, 0.1f) - at));
+    Scene mapped = smooth;
+    mapped.textures = {
+        float_texture({8, 8}, [](double u, double v) { return glm::vec3(u, v, 0.5); }),
+        float_texture({8, 8}, [](double u, double v) { return glm::vec3(0, u < 0.4 ? 0 : u, v > 0.6); })};
+    for (Mesh& mesh : mapped.meshes)
+        for (const glm::vec3& at : mesh.positions) mesh.uvs.push_back(3.f * glm::vec2(at.x + at.z, at.y + at.z));
+    for (Material& m : mapped.materials) {
+        m.albedo_map = {.texture = 0};
+        if (m.kind == MaterialKind::principled) m.metallic_roughness_map = {.texture = 1}, m.metallic = 1;
+    }
+    ASSERT_TRUE((EffectSet{Effect::principled, Effect::metal, Effect::textures} - effects_of(mapped)).empty());
+    Scene sunny = mapped;
+    sunny.sky = {glm::vec3(0.3f), glm::vec3(0.5f, 0.6f, 1.f)};
+    sunny.meshes.resize(sunny.meshes.size() - 1);
+    Light sun;
+    sun.kind = LightKind::directional, sun.direction = {0.3f, -1.f, 0.2f}, sun.intensity = glm::vec3(2.f);
+    sunny.lights = {sun};
+    expect_same_bits_one_by_one({plastic, smooth, mapped, sunny});
 }
 
 /// Asked of the buffers, since hits are the same: traversal looks up a word for every triangle.
