@@ -26,10 +26,10 @@
 #define PLAIN_TASK (!BAKE && !SHADING)
 /// 1: shade_sixteen.clh shades the hits of plain materials; all hits, if there are no other materials.
 #define PLAIN_IN_LANES                                                                                                       \
-    (SIXTEEN && CLARAY_CPU && (USES(CLARAY_LAMBERT) || PLAIN_DIELECTRICS) && PLAIN_TASK && \
+    (SIXTEEN && CLARAY_CPU && (USES(CLARAY_LAMBERT) || GLOSSY_IN_LANES) && PLAIN_TASK && \
      !EFFECTS_WITHOUT_LANES(CLARAY_NOT_SHADED))
-/// 1: dielectrics without coats and other layers count as plain.
-#define PLAIN_DIELECTRICS (USES(CLARAY_PRINCIPLED) && !LIGHT_GRID && !AMBIENT)
+/// 1: dielectrics and metals without coats and other layers count as plain.
+#define GLOSSY_IN_LANES ((USES(CLARAY_PRINCIPLED) || USES(CLARAY_METAL)) && !LIGHT_GRID && !AMBIENT)
 #define SHADE_SIXTEEN (PLAIN_IN_LANES && MATERIALS == 1u << CLARAY_LAMBERT && !TEXTURES)
 #define SHADE_MIXED (PLAIN_IN_LANES && SHADE_GROUPS)
 #if SHADE_SIXTEEN || SHADE_MIXED

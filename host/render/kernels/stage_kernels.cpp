@@ -36,7 +36,7 @@ Defines defines_of(const Approximations& approximate) {
 /// Surfaces of other scenes are never shaded by sixteen (PLAIN_IN_LANES): with the macro the same kernel would be
 /// compiled a second time.
 bool may_shade_sixteen(EffectSet effects) {
-    return (effects.has(Effect::lambert) || effects.has(Effect::principled)) && have_lanes(effects, CLARAY_LANES_SHADE);
+    return (effects.has(Effect::lambert) || effects.has(Effect::principled) || effects.has(Effect::metal)) && have_lanes(effects, CLARAY_LANES_SHADE);
 }
 
 /// Of the stages that shade.
