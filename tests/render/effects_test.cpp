@@ -308,6 +308,28 @@ TEST(Effects, SmoothSurfacesAndEnvironmentsAreShadedWithTheSameBitsSixteenAtOnce
     expect_same_bits_one_by_one({lamp, smooth, dark, points, many_points});
 }
 
+/// So is smooth glass, of both kinds of materials, which absorbs light.
+TEST(Effects, SmoothGlassIsShadedWithTheSameBitsSixteenAtOnce) {
+    Scene flat = *builtin_scene("cornell");
+    const std::size_t plain = flat.materials.size();
+    flat.materials.resize(plain + 2);
+    Material &glass = flat.materials[plain], &principled = flat.materials[plain + 1];
+    glass.kind = MaterialKind::glass, glass.roughness = 0, glass.ior = 1.4f;
+    principled.kind = MaterialKind::principled, principled.roughness = 0, principled.transmission = 1;
+    for (Material* m : {&glass, &principled}) m->attenuation = {0.5f, 0.8f, 0.9f}, m->attenuation_distance = 0.1f;
+    for (Mesh& mesh : flat.meshes)
+        for (std::size_t t = 0; t < mesh.materials.size(); ++t)
+            if (!(flat.materials[mesh.materials[t]].emission.x > 0) && t / 2 % 3 != 2)
+                mesh.materials[t] = std::uint32_t(plain + t / 2 % 3);
+    ASSERT_TRUE((EffectSet{Effect::lambert, Effect::glass, Effect::absorption} - effects_of(flat)).empty());
+    ASSERT_FALSE(effects_of(flat).has(Effect::rough_glass));
+    Scene smooth = flat;
+    for (std::size_t i = 0; i < smooth.meshes.size(); i += 2)
+        for (const glm::vec3& at : smooth.meshes[i].positions)
+            smooth.meshes[i].normals.push_back(glm::normalize(glm::vec3(0.25f, 0.3f, 0.1f) - at));
+    expect_same_bits_one_by_one({flat, smooth});
+}
+
 /// Bare dielectrics are shaded so as well, smooth or not, and maps of albedo, roughness and metallic value are applied.
 /// Where such a map makes metal or a mirror, rays are shaded one by one.
 TEST(Effects, MappedDielectricsAreShadedWithTheSameBitsSixteenAtOnce) {
