@@ -1,6 +1,8 @@
 """Meshes of the scenes that are written as glTF: (positions, normals, texture coordinates, triangles). v points downwards, as in glTF."""
 import numpy as np
 
+from scenes import sides_of_box
+
 
 def quad(center, u, v):
     center, u, v = (np.array(x, np.float32) for x in (center, u, v))
@@ -29,11 +31,7 @@ def merged(*meshes):
 
 
 def box(center, half, turn=0.0, bottom=True):
-    s, c = np.sin(turn), np.cos(turn)
-    x, y, z = np.array([c, 0, -s]) * half[0], np.array([0, half[1], 0.0]), np.array([s, 0, c]) * half[2]
-    m = np.array(center, float)
-    sides = [quad(m + x, y, z), quad(m - x, z, y), quad(m + y, z, x), quad(m + z, x, y), quad(m - z, y, x)]
-    return merged(*sides, *([quad(m - y, x, z)] if bottom else []))
+    return merged(*(quad(*side) for side in sides_of_box(center, half, turn, bottom)))
 
 
 def lathe(profile, center, around=64):

@@ -18,12 +18,16 @@ def merged(*parts):
     return np.concatenate([p for p, _ in parts]), np.concatenate([t + n for (_, t), n in zip(parts, starts)])
 
 
-def box(center, half, turn=0.0, bottom=True):
+def sides_of_box(center, half, turn, bottom):
+    """Arguments of quads: their centers and half edges."""
     s, c = np.sin(turn), np.cos(turn)
     x, y, z = np.array([c, 0, -s]) * half[0], np.array([0, half[1], 0.0]), np.array([s, 0, c]) * half[2]
     m = np.array(center, float)
-    sides = [quad(m + x, y, z), quad(m - x, z, y), quad(m + y, z, x), quad(m + z, x, y), quad(m - z, y, x)]
-    return merged(*sides, *([quad(m - y, x, z)] if bottom else []))
+    return [(m + x, y, z), (m - x, z, y), (m + y, z, x), (m + z, x, y), (m - z, y, x), *([(m - y, x, z)] if bottom else [])]
+
+
+def box(center, half, turn=0.0, bottom=True):
+    return merged(*(quad(*side) for side in sides_of_box(center, half, turn, bottom)))
 
 
 def ball(center, radius, rows):
