@@ -89,8 +89,7 @@ Guides::Guides(const Device& device, const SceneBuffers& scene, EffectSet effect
 
 const Buffer<Guide>& Guides::trace(const FrameData& frame, const Buffer<FilmPixel>& film, std::uint32_t spp) {
     const std::uint32_t pixels = frame.width * frame.height;
-    guides_.reserve(device_, pixels), glows_.reserve(device_, pixels), list_.reserve(device_, 2 * std::size_t(pixels)),
-        classes_.reserve(device_, pixels);
+    make_room(pixels);
     trace_runs(frame, film, {{pixels, samples_of_all}}, 0, false);
     const double rays = double(pixels) * edge_rays_per_pixel(spp);
     const double first = trace_edges(frame, film, share_of_first_pass * rays, rays, spp);
@@ -130,7 +129,13 @@ std::uint64_t Guides::bytes() const {
     return bytes;
 }
 
-void Guides::make_room(std::size_t rays) {
+void Guides::make_room(std::uint32_t pixels) {
+    guides_.reserve(device_, pixels), glows_.reserve(device_, pixels), list_.reserve(device_, 2 * std::size_t(pixels)),
+        classes_.reserve(device_, pixels);
+    make_room_for_rays(std::min<std::uint64_t>(std::uint64_t(pixels) * samples_of_all, capacity_));
+}
+
+void Guides::make_room_for_rays(std::size_t rays) {
     if (sights_.allocated() && sights_.size() >= rays) return;
     for (int i = 0; i < 2; ++i) {
         rays_[i] = Buffer<Ray>(device_, rays), numbers_[i] = Buffer<std::uint32_t>(device_, rays);
@@ -140,12 +145,18 @@ void Guides::make_room(std::size_t rays) {
     sights_ = Buffer<Sight>(device_, rays);
 }
 
+/// Pixels of a list have many rays: on CPUs few of them make a work-group, elsewhere many work-items take one.
+Range Guides::range_of_writing(std::uint32_t pixels, bool listed) const {
+    if (device_.info().type == DeviceType::cpu) return {pixels, 4};
+    return {std::size_t(listed ? CLARAY_LANES_OF_EDGE : 1) * pixels, CLARAY_GUIDE_GROUP};
+}
+
 /// As many pixels at a time as there is room for.
 void Guides::trace_runs(const FrameData& frame, const Buffer<FilmPixel>& film, const std::vector<Run>& runs,
                         std::uint32_t first_pixel, bool listed) {
     std::uint64_t all = 0;
     for (const Run& run : runs) all += std::uint64_t(run.pixels) * run.samples;
-    make_room(std::min<std::uint64_t>(all, capacity_));
+    make_room_for_rays(std::min<std::uint64_t>(all, capacity_));
     GuideStep guide{{{first_pixel, 0, 0, 0, 0}, frame, 0, 0, 0, 0}, std::uint32_t(listed), 0};
     std::vector<GuideRun> batch_runs;
     Batch& batch = guide.step.batch;
@@ -153,7 +164,7 @@ void Guides::trace_runs(const FrameData& frame, const Buffer<FilmPixel>& film, c
         guide.run_count = std::uint32_t(batch_runs.size());
         runs_.write(std::span<const GuideRun>(batch_runs));
         see(guide);
-        write_.run({batch.pixels, 64}, guide, runs_, list_, film, sights_, guides_, glows_);
+        write_.run(range_of_writing(batch.pixels, listed), guide, runs_, list_, film, sights_, guides_, glows_);
         batch.first_pixel += batch.pixels, batch.pixels = 0, guide.step.capacity = 0;
         batch_runs.clear();
     };

@@ -17,6 +17,8 @@ public:
     /// One guide per pixel of the frame, for a film of `spp` samples per pixel. Blocks.
     [[nodiscard]] const Buffer<Guide>& trace(const FrameData& frame, const Buffer<FilmPixel>& film, std::uint32_t spp);
     /// Of the device, besides those of the scene.
+    /// Takes the memory for `trace` of so many pixels.
+    void make_room(std::uint32_t pixels);
     [[nodiscard]] std::uint64_t bytes() const;
 
 private:
@@ -31,7 +33,8 @@ private:
     void trace_runs(const FrameData& frame, const Buffer<FilmPixel>& film, const std::vector<Run>& runs,
                     std::uint32_t first_pixel, bool listed);
 
-    void make_room(std::size_t rays);
+    [[nodiscard]] Range range_of_writing(std::uint32_t pixels, bool listed) const;
+    void make_room_for_rays(std::size_t rays);
     /// Follows the camera rays of a batch to the first rough surface. Blocks.
     void see(GuideStep guide);
 

@@ -214,49 +214,91 @@ static inline Glow glow_of(const Guide* g) {
     return glow;
 }
 
-/// One pixel per item. The film's samples come first in each pixel's sequence.
+/// Sums over sights. The last component of each vector is a sum of its own.
+typedef struct SightSums {
+    float4 albedo, glow, gloss;            // and the squares of their luminances
+    float4 luminances;                     // of albedo, glow and gloss; and how many mirrors, glass and almost mirrors passed on
+    float4 normal;                         // and nearness
+    float4 sampled_albedo, sampled_glow;   // of the film's samples. And the luminance of glow and gloss: of those of odd index, and squared
+} SightSums;
+
+static inline void add_sight(SightSums* sums, global const Sight* from, bool is_odd) {
+    const Sight sight = sight_at(from);
+    const float3 albedo = (float3)(sight.albedo_r, sight.albedo_g, sight.albedo_b);
+    const float3 glow = (float3)(sight.glow_r, sight.glow_g, sight.glow_b);
+    const float3 gloss = (float3)(sight.gloss_r, sight.gloss_g, sight.gloss_b);
+    const float3 bright = (float3)(luminance(albedo), luminance(glow), luminance(gloss)), squares = bright * bright;
+    sums->albedo += (float4)(albedo, squares.x), sums->glow += (float4)(glow, squares.y), sums->gloss += (float4)(gloss, squares.z);
+    sums->luminances += (float4)(bright, sight.passed ? 1.0f : 0.0f);
+    sums->normal += (float4)(sight.normal_x, sight.normal_y, sight.normal_z, sight.nearness);
+    if (is_odd) sums->sampled_albedo.w += bright.y + bright.z;
+    sums->sampled_glow.w += (bright.y + bright.z) * (bright.y + bright.z);
+}
+
+/// Of every `step`th sight from `first` on. The film's samples come first; they begin at an odd index if `parity` is 1.
+static inline SightSums sum_of_sights(global const Sight* sights, uint first, uint step, uint samples, uint sampled, uint parity) {
+    SightSums sums = {0};
+    uint s = first;
+    for (; s < sampled; s += step) add_sight(&sums, &sights[s], (s + parity) % 2 != 0);
+    sums.sampled_albedo.xyz = sums.albedo.xyz, sums.sampled_glow.xyz = sums.glow.xyz + sums.gloss.xyz;
+    for (; s < samples; s += step) add_sight(&sums, &sights[s], false);
+    return sums;
+}
+
+#if CLARAY_CPU
+#define LANES_OF_EDGE 1u
+#define ADD_UP_LANES(own, lane)
+#else
+#define LANES_OF_EDGE CLARAY_LANES_OF_EDGE
+/// Lane 0 gets the sum of the lanes of its pixel. All work-items of the group take part.
+static inline void add_up_lanes(SightSums* own, uint lane, local SightSums* group) {
+    const uint i = get_local_id(0);
+    group[i] = *own;
+    for (uint half = LANES_OF_EDGE / 2u; half != 0u; half /= 2u) {
+        barrier(CLK_LOCAL_MEM_FENCE);
+        if (lane >= half) continue;
+        for (uint k = 0; k < sizeof(SightSums) / sizeof(float4); ++k) ((local float4*)&group[i])[k] += ((local const float4*)&group[i + half])[k];
+    }
+    *own = group[i];
+}
+#define ADD_UP_LANES(own, lane)            \
+    local SightSums group[CLARAY_GUIDE_GROUP]; \
+    if (step.listed) add_up_lanes(own, lane, group)
+#endif
+
+static inline Guide guide_of(const SightSums* sums, uint samples, uint sampled) {
+    Guide guide = {0};
+    const float of_film = sampled == 0u ? 0.0f : 1.0f / (float)sampled, share = 1.0f / (float)samples;
+#define MEAN(member, sum, share) guide.member##_r = share * sums->sum.x, guide.member##_g = share * sums->sum.y, guide.member##_b = share * sums->sum.z
+    MEAN(sampled_albedo, sampled_albedo, of_film), MEAN(sampled_glow, sampled_glow, of_film);
+    MEAN(albedo, albedo, share), MEAN(glow, glow, share), MEAN(gloss, gloss, share);
+#undef MEAN
+    guide.odd_glow = sums->sampled_albedo.w;
+    const float3 squares = (float3)(sums->albedo.w, sums->glow.w, sums->gloss.w);
+    const float3 variances = variances_of_means(sums->luminances.xyz, squares, samples);
+    const float mean = share * (sums->luminances.y + sums->luminances.z);
+    guide.albedo_variance = variances.x, guide.glow_variance = variances.y, guide.gloss_variance = variances.z;
+    guide.normal_x = share * sums->normal.x, guide.normal_y = share * sums->normal.y, guide.normal_z = share * sums->normal.z;
+    guide.nearness = share * sums->normal.w, guide.mirrored = share * sums->luminances.w;
+    guide.ray_variance = fmax(share * sums->sampled_glow.w - mean * mean, 0.0f), guide.rays = samples;
+    return guide;
+}
+
+/// One pixel per item; of a list, LANES_OF_EDGE items per pixel. The film's samples come first in each pixel's sequence.
 kernel void write_guides(GuideStep step, global const GuideRun* runs, global const uint* list, global const FilmPixel* film,
                          global const Sight* sights, global Guide* guides, global Glow* glows) {
-    const uint i = get_global_id(0);
-    if (i >= step.step.batch.pixels) return;
+    const uint lanes = step.listed ? LANES_OF_EDGE : 1u, lane = get_global_id(0) % lanes, pixels = step.step.batch.pixels;
+    const uint i = min((uint)get_global_id(0) / lanes, pixels - 1u);
     uint run = step.run_count - 1u;
     while (run != 0u && i < runs[run].first_pixel) --run;
     const uint samples = runs[run].samples, first = runs[run].first_ray + (i - runs[run].first_pixel) * samples;
     const uint2 pixel = guided_pixel(&step, i, list);
     const uint in_film = film[pixel.x].count + film[pixel.x].dropped, end = pixel.y + samples;
     const uint end_of_film = in_film == 0u ? end : min(in_film, end), sampled = end_of_film - min(pixel.y, end_of_film);
-    float3 albedo = (float3)(0.0f), glow = (float3)(0.0f), gloss = (float3)(0.0f), normal = (float3)(0.0f);
-    float nearness = 0.0f, odd = 0.0f, mirrored = 0.0f, both = 0.0f;
-    float3 sums = (float3)(0.0f), squares = (float3)(0.0f);  // of the luminances of albedo, glow and gloss
-    Guide guide = {0};
-    for (uint s = 0; s < samples; ++s) {
-        const Sight sight = sight_at(&sights[first + s]);
-        const float3 one_albedo = (float3)(sight.albedo_r, sight.albedo_g, sight.albedo_b);
-        const float3 one_glow = (float3)(sight.glow_r, sight.glow_g, sight.glow_b);
-        const float3 one_gloss = (float3)(sight.gloss_r, sight.gloss_g, sight.gloss_b);
-        albedo += one_albedo, glow += one_glow, gloss += one_gloss;
-        const float3 bright = (float3)(luminance(one_albedo), luminance(one_glow), luminance(one_gloss));
-        sums += bright, squares += bright * bright, both += (bright.y + bright.z) * (bright.y + bright.z);
-        if (s < sampled && (pixel.y + s) % 2 != 0) odd += bright.y + bright.z;
-        normal += (float3)(sight.normal_x, sight.normal_y, sight.normal_z);
-        nearness += sight.nearness, mirrored += sight.passed ? 1.0f : 0.0f;
-        if (s + 1 != sampled) continue;
-        const float share = 1.0f / (float)sampled;
-        guide.sampled_albedo_r = share * albedo.x, guide.sampled_albedo_g = share * albedo.y, guide.sampled_albedo_b = share * albedo.z;
-        const float3 all = glow + gloss;
-        guide.sampled_glow_r = share * all.x, guide.sampled_glow_g = share * all.y, guide.sampled_glow_b = share * all.z;
-        guide.odd_glow = odd;
-    }
-    const float share = 1.0f / (float)samples;
-    guide.albedo_r = share * albedo.x, guide.albedo_g = share * albedo.y, guide.albedo_b = share * albedo.z;
-    guide.glow_r = share * glow.x, guide.glow_g = share * glow.y, guide.glow_b = share * glow.z;
-    guide.gloss_r = share * gloss.x, guide.gloss_g = share * gloss.y, guide.gloss_b = share * gloss.z;
-    const float3 variances = variances_of_means(sums, squares, samples);
-    const float mean = share * (sums.y + sums.z);
-    guide.albedo_variance = variances.x, guide.glow_variance = variances.y, guide.gloss_variance = variances.z;
-    guide.normal_x = share * normal.x, guide.normal_y = share * normal.y, guide.normal_z = share * normal.z;
-    guide.nearness = share * nearness, guide.mirrored = share * mirrored;
-    guide.ray_variance = fmax(share * both - mean * mean, 0.0f), guide.rays = samples;
+    SightSums sums = sum_of_sights(sights + first, lane, lanes, samples, sampled, pixel.y % 2u);
+    ADD_UP_LANES(&sums, lane);
+    if (lane != 0u || get_global_id(0) / lanes >= pixels) return;
+    Guide guide = guide_of(&sums, samples, sampled);
     guide.complete = in_film <= end;
     if (pixel.y != 0u) {
         Guide all = guides[pixel.x];

@@ -58,6 +58,9 @@ CLARAY_LAYOUT(Sight, 80)
 #define CLARAY_BY_MIRROR 1u
 #define CLARAY_BY_GLOSS 2u
 
+#define CLARAY_GUIDE_GROUP 64u    // work-items that write guides together, except on CPUs
+#define CLARAY_LANES_OF_EDGE 32u  // of them share the sights of a pixel at an edge: up to 4,096
+
 /// Pixels of a batch with the same number of rays each, from this pixel and this ray of the batch on.
 typedef struct GuideRun {
     uint first_pixel, first_ray, samples;
