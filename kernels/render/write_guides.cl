@@ -254,10 +254,10 @@ static inline SightSums sum_of_sights(global const Sight* sights, uint first, ui
 static inline void add_up_lanes(SightSums* own, uint lane, local SightSums* group) {
     const uint i = get_local_id(0);
     group[i] = *own;
-    for (uint half = LANES_OF_EDGE / 2u; half != 0u; half /= 2u) {
+    for (uint apart = LANES_OF_EDGE / 2u; apart != 0u; apart /= 2u) {
         barrier(CLK_LOCAL_MEM_FENCE);
-        if (lane >= half) continue;
-        for (uint k = 0; k < sizeof(SightSums) / sizeof(float4); ++k) ((local float4*)&group[i])[k] += ((local const float4*)&group[i + half])[k];
+        if (lane >= apart) continue;
+        for (uint k = 0; k < sizeof(SightSums) / sizeof(float4); ++k) ((local float4*)&group[i])[k] += ((local const float4*)&group[i + apart])[k];
     }
     *own = group[i];
 }

@@ -208,8 +208,10 @@ Guide guide_of(const std::vector<glm::vec3>& rays, std::uint32_t in_film, const 
     pixel.count = in_film;
     const Buffer<Guide> guide(device(), std::vector{before});
     const Buffer<GuideRun> runs(device(), std::vector{GuideRun{0, 0, std::uint32_t(rays.size())}});
+    const bool cpu = device().info().type == DeviceType::cpu;
     load_kernel(device(), "render/write_guides.cl", "write_guides")
-        .run({1, 1}, step, runs, Buffer<std::uint32_t>(device(), std::vector<std::uint32_t>{0, before.rays}),
+        .run(cpu ? Range{1, 1} : Range{CLARAY_LANES_OF_EDGE, CLARAY_GUIDE_GROUP}, step, runs,
+             Buffer<std::uint32_t>(device(), std::vector<std::uint32_t>{0, before.rays}),
              Buffer<FilmPixel>(device(), std::vector{pixel}), Buffer<Sight>(device(), sights), guide,
              Buffer<Glow>(device(), 1));
     return guide.read()[0];
