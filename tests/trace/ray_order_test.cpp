@@ -101,5 +101,14 @@ TEST(RayOrder, IsMadeOfRaysThatHaveNothingInCommon) {
     EXPECT_EQ(unordered(bvh, {anywhere[0]}), 0u);
 }
 
+/// Every 1024th ray of 512 x 512 is at the end of a row, where the next ray points elsewhere.
+TEST(RayOrder, IsNotMadeOfPictures) {
+    const Bvh bvh = cube_of_triangles();
+    for (const unsigned width : {64, 256, 300, 512})
+        for (const unsigned height : {64, 256, 512})
+            EXPECT_EQ(unordered(bvh, camera_rays({0, 0, 3}, glm::vec3(0.f), width, height, 1.5f)), 0u)
+                << width << " x " << height;
+}
+
 }  // namespace
 }  // namespace claray::test

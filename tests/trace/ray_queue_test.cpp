@@ -53,6 +53,16 @@ TEST(RayQueue, TellsCoherentRaysFromOthers) {
     }
 }
 
+/// Rays at the ends of rows, whose neighbours point elsewhere, are few in pictures of any size.
+TEST(RayQueue, TakesPicturesForCoherent) {
+    for (const unsigned width : {64, 256, 512, 1920})
+        for (const unsigned height : {62, 256, 992}) {
+            const std::optional<bool> found = coherent(camera_rays({0, 0, 3}, glm::vec3(0.f), width, height, 1.5f));
+            if (!found) GTEST_SKIP() << "no warps";
+            EXPECT_TRUE(*found) << width << " x " << height;
+        }
+}
+
 TEST(RayQueue, FindsTheSameHitsInEverySchedule) {
     const Device fresh = Device::open(std::to_string(device().info().index));
     for (const char* query : {"trace/closest_hit", "trace/any_hit"}) {
