@@ -2,7 +2,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 
 #include "claray/primitives/primitives.hpp"
 #include "host/bvh/bvh_state.hpp"
@@ -40,12 +39,10 @@ struct Primitives::State {
     [[nodiscard]] const Buffer<std::uint32_t>& order_of(const Buffer<Ray>& rays, const QueryOptions& options) {
         static const Buffer<std::uint32_t> none;
         const auto number = std::uint32_t(rays.size());
-        const unsigned fewest = device.tuning("trace/closest_hit", "SORT_FROM");
+        const unsigned fewest = device.tuning("primitives/primitives", "SORT_FROM");
         if (options.coherence != Coherence::incoherent || fewest == 0 || number < fewest) return none;
-        if (!sample) sample = load_order_sample(device);
-        if (!in_any_order(*sample, device, bvh, rays, number)) return none;
         if (!ray_order || ray_order->capacity() < number) ray_order = std::make_unique<RayOrder>(device, number);
-        return ray_order->sort(bvh, rays, number);
+        return ray_order->pays(bvh, rays, number) ? ray_order->sort(bvh, rays, number) : none;
     }
 
     template <class Result>
@@ -69,7 +66,6 @@ struct Primitives::State {
     TriangleBuffers corners;
     Bvh bvh;
     std::unique_ptr<RayOrder> ray_order;
-    std::optional<Kernel> sample;  // of the order of rays
 };
 
 }  // namespace claray

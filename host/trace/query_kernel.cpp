@@ -8,27 +8,13 @@
 
 namespace claray {
 
-namespace {
-const KernelRequest order_sample = {"trace/queue/ray_order.cl", "sample_order", {}};
-}
-
 const cl::Buffer& ray_queue(const Device& device) {
     std::shared_ptr<cl::Buffer>& queue = state_of(device).ray_queue;
     if (!queue) {
-        queue = detail::allocate(device, 3 * sizeof(std::uint32_t));
-        detail::fill_bytes(device, *queue, 0, 3 * sizeof(std::uint32_t));
+        queue = detail::allocate(device, 2 * sizeof(std::uint32_t));
+        detail::fill_bytes(device, *queue, 0, 2 * sizeof(std::uint32_t));
     }
     return *queue;
-}
-
-Kernel load_order_sample(const Device& device) { return load_kernel(device, order_sample); }
-
-bool in_any_order(Kernel& sample, const Device& device, const Bvh& bvh, const Buffer<Ray>& rays, std::uint32_t count) {
-    const cl::Buffer& queue = ray_queue(device);
-    sample.run({1, 1}, state_of(bvh).header, rays, arg("count", count), arg("queue", queue));
-    std::uint32_t answer = 0;
-    detail::read(device, queue, 2 * sizeof answer, &answer, sizeof answer);
-    return answer != 0;
 }
 
 namespace {
@@ -57,7 +43,6 @@ QueryKernels::QueryKernels(const Device& device, const TreeFormat& tree, QueryKi
                          file.empty() ? defines : with_tuning(device, stem, defines)});
     };
     if (batch != 0) {
-        if (device.tuning(stem, "SORT_FROM") != 0) sample = order_sample;
         if (tree.cutouts) {
             Defines defines = query_defines(tree.defines(), options);
             defines.emplace_back("GROUP_SIZE", "1");
@@ -80,8 +65,7 @@ QueryKernels::QueryKernels(const Device& device, const TreeFormat& tree, QueryKi
 KernelSet QueryKernels::programs(const Device& device) const {
     KernelSet set;
     for (const KernelRequest& one : trace) set.add(device, one);
-    for (const auto& one : {retrace, sample})
-        if (one) set.add(device, *one);
+    if (retrace) set.add(device, *retrace);
     return set;
 }
 
@@ -101,21 +85,8 @@ QueryKernel::QueryKernel(const Device& device, const Bvh& bvh, Kind kind, const 
     rays_per_item_ = std::max(1u, device.tuning(stem, "RAYS_PER_ITEM"));
     group_ = kernels.batch != 0 ? 1 : device.tuning(stem, "GROUP_SIZE");
     most_in_batch_ = kernels.batch;
-    if (most_in_batch_ != 0) {
-        sort_from_ = device.tuning(stem, "SORT_FROM");
-        if (kernels.sample) sample_ = load_kernel(device, *kernels.sample);
-    }
     if (kernels.in_queue)
         most_items_ = std::max(1u, device.info().compute_units * device.tuning(stem, "GROUPS_PER_UNIT")) * group_;
-}
-
-Buffer<std::uint32_t> QueryKernel::order_of(const Buffer<Ray>& rays, std::uint32_t capacity,
-                                            const Buffer<std::uint32_t>& count) {
-    if (sort_from_ == 0 || capacity < sort_from_ || count.allocated()) return {};
-    const Device& device = *device_;
-    if (options_.coherence == Coherence::coherent || !in_any_order(sample_, device, bvh_, rays, capacity)) return {};
-    if (!ray_order_ || ray_order_->capacity() < capacity) ray_order_ = std::make_shared<RayOrder>(device, capacity);
-    return ray_order_->sort(bvh_, rays, capacity);
 }
 
 std::uint32_t QueryKernel::batch_size(std::uint32_t capacity) const {

@@ -7,19 +7,12 @@
 #include "host/bvh/bvh_state.hpp"
 #include "host/compute/programs/kernel_set.hpp"
 #include "host/trace/query_options.hpp"
-#include "host/trace/ray_order.hpp"
 
 namespace claray {
 
-/// The words of kernels/trace/queue/ray_queue.clh and ray_order.cl. All queries of a device share them, because its
+/// The words of kernels/trace/queue/ray_queue.clh. All queries of a device share them, because its
 /// commands run one after another.
 [[nodiscard]] const cl::Buffer& ray_queue(const Device& device);
-
-/// Whether rays are in no order by which neighbours meet the same parts of a structure, by a sample. Waits for it.
-/// `sample`: the kernel of load_order_sample.
-[[nodiscard]] bool in_any_order(Kernel& sample, const Device& device, const Bvh& bvh, const Buffer<Ray>& rays,
-                                std::uint32_t count);
-[[nodiscard]] Kernel load_order_sample(const Device& device);
 
 /// Binds only CLARAY_CUTOUTS_PARAMETERS.
 struct CutoutsOf {
@@ -37,7 +30,6 @@ struct SolidBvh {
 struct QueryKernels {
     std::vector<KernelRequest> trace;      // one, or two schedules of which one traces the rays
     std::optional<KernelRequest> retrace;  // the rays that met a cut-out
-    std::optional<KernelRequest> sample;   // their order, if it pays to sort them
     std::uint32_t batch = 0;               // the largest; 0: rays are not traced in batches
     bool in_queue = false;
 
@@ -78,17 +70,16 @@ public:
             return;
         }
         const cl::Buffer& queue = ray_queue(*device_);
-        const Buffer<std::uint32_t> order = order_of(rays, capacity, count);
         if (retraces()) {
             kernels_[0].run({items, group_}, SolidBvh{bvh_}, rays, results, capacity, arg("count", count),
-                            arg("masks", options_.ray_masks), options_.visits, queue, batch, arg("sorted", order));
+                            arg("masks", options_.ray_masks), options_.visits, queue, batch);
             retrace_.run({(std::size_t(capacity) + rays_per_item_ - 1) / rays_per_item_, 1}, bvh_, rays, results,
                          capacity, arg("count", count), arg("masks", options_.ray_masks));
             return;
         }
         for (Kernel& kernel : kernels_)
             kernel.run({items, group_}, bvh_, rays, results, capacity, arg("count", count),
-                       arg("masks", options_.ray_masks), options_.visits, queue, batch, arg("sorted", order));
+                       arg("masks", options_.ray_masks), options_.visits, queue, batch);
     }
 
 private:
@@ -98,19 +89,13 @@ private:
     /// Rays per batch: as tuned, but few enough to keep all compute units busy. 0: no batches.
     [[nodiscard]] std::uint32_t batch_size(std::uint32_t capacity) const;
 
-    /// The order in which rays are traced, or no buffer. Waits for a sample of the rays if it must determine whether
-    /// they are unordered.
-    [[nodiscard]] Buffer<std::uint32_t> order_of(const Buffer<Ray>& rays, std::uint32_t capacity,
-                                                 const Buffer<std::uint32_t>& count);
-
     std::optional<Device> device_;  // with the queue
     Bvh bvh_;
     QueryOptions options_;
     std::vector<Kernel> kernels_;  // one, or two schedules of which one traces the rays
-    Kernel sample_, retrace_;
-    std::shared_ptr<RayOrder> ray_order_;
+    Kernel retrace_;
     std::size_t rays_per_item_ = 1, group_ = 64, most_items_ = std::size_t(-1);
-    std::uint32_t most_in_batch_ = 0, sort_from_ = 0;
+    std::uint32_t most_in_batch_ = 0;
 };
 
 }  // namespace claray

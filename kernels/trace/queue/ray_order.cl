@@ -43,9 +43,9 @@ kernel void ray_keys(global const BvhHeader* header, global const Ray* rays, uin
     }
 }
 
-/// Sets queue[2] to 1 if at least half of the rays differ from the next ray in both direction and origin. (Rays that leave a
+/// Sets `answer` to 1 if at least half of the rays differ from the next ray in both direction and origin. (Rays that leave a
 /// surface in all directions start near their neighbours and are as fast unsorted.) One item.
-kernel void sample_order(global const BvhHeader* header, global const Ray* rays, uint count, global uint* queue) {
+kernel void sample_order(global const BvhHeader* header, global const Ray* rays, uint count, global uint* answer) {
     const float near = NEAR * max(max(header->hix - header->lox, header->hiy - header->loy), header->hiz - header->loz);
     uint unlike = 0;
     for (uint sample = 0; count > 1 && sample < SAMPLES; ++sample) {
@@ -56,5 +56,5 @@ kernel void sample_order(global const BvhHeader* header, global const Ray* rays,
         const bool same_way = along > 0.0f && along * along > 0.8f * dot_product(p, p) * dot_product(q, q);
         unlike += !same_way && (apart == 0.0f || apart > near);
     }
-    queue[2] = 2 * unlike >= SAMPLES;
+    *answer = 2 * unlike >= SAMPLES;
 }
