@@ -39,10 +39,10 @@ struct Primitives::State {
     [[nodiscard]] const Buffer<std::uint32_t>& order_of(const Buffer<Ray>& rays, const QueryOptions& options) {
         static const Buffer<std::uint32_t> none;
         const auto number = std::uint32_t(rays.size());
-        const unsigned fewest = device.tuning("primitives/primitives", "SORT_FROM");
+        const unsigned fewest = device.tuning("trace/closest_hit", "SORT_FROM");
         if (options.coherence != Coherence::incoherent || fewest == 0 || number < fewest) return none;
         if (!ray_order || ray_order->capacity() < number) ray_order = std::make_unique<RayOrder>(device, number);
-        return ray_order->pays(bvh, rays, number) ? ray_order->sort(bvh, rays, number) : none;
+        return ray_order->has_none(bvh, rays, number) ? ray_order->sort(bvh, rays, number) : none;
     }
 
     template <class Result>

@@ -23,6 +23,7 @@ Mesh soup() {
     return mesh;
 }
 
+/// As many rays as are sorted before they are traced.
 std::vector<Ray> rays_of_all_directions() {
     constexpr std::size_t count = 1u << 17;
     std::vector<Ray> rays(count);

@@ -85,8 +85,23 @@ QueryKernel::QueryKernel(const Device& device, const Bvh& bvh, Kind kind, const 
     rays_per_item_ = std::max(1u, device.tuning(stem, "RAYS_PER_ITEM"));
     group_ = kernels.batch != 0 ? 1 : device.tuning(stem, "GROUP_SIZE");
     most_in_batch_ = kernels.batch;
+    if (most_in_batch_ != 0) {
+        sort_from_ = device.tuning(stem, "SORT_FROM");
+        sort_from_nanoseconds_ = device.tuning(stem, "SORT_FROM_NANOSECONDS");
+    }
     if (kernels.in_queue)
         most_items_ = std::max(1u, device.info().compute_units * device.tuning(stem, "GROUPS_PER_UNIT")) * group_;
+}
+
+bool QueryKernel::may_sort(std::uint32_t capacity, const Buffer<std::uint32_t>& count) {
+    if (sort_from_ == 0 || capacity < sort_from_ || count.allocated()) return false;
+    if (options_.coherence == Coherence::coherent) return false;
+    if (!ray_order_ || ray_order_->capacity() < capacity) ray_order_ = std::make_shared<RayOrder>(*device_, capacity);
+    return true;
+}
+
+double QueryKernel::least_seconds_to_sort() const {
+    return 1e-9 * sort_from_nanoseconds_ * RayOrder::sample_size / std::max(1u, device_->info().compute_units);
 }
 
 std::uint32_t QueryKernel::batch_size(std::uint32_t capacity) const {
@@ -94,6 +109,11 @@ std::uint32_t QueryKernel::batch_size(std::uint32_t capacity) const {
     if (most_in_batch_ < packet) return most_in_batch_;
     const std::uint32_t share = capacity / (8 * std::max(1u, device_->info().compute_units));
     return std::clamp(share / packet * packet, packet, most_in_batch_);
+}
+
+std::size_t QueryKernel::items_for(std::uint32_t capacity) const {
+    const std::size_t rays_per_item = std::max<std::size_t>(batch_size(capacity), rays_per_item_);
+    return std::min((std::size_t(capacity) + rays_per_item - 1) / rays_per_item, most_items_);
 }
 
 }  // namespace claray

@@ -2,11 +2,14 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
 #include <optional>
 
+#include "host/base/seconds_since.hpp"
 #include "host/bvh/bvh_state.hpp"
 #include "host/compute/programs/kernel_set.hpp"
 #include "host/trace/query_options.hpp"
+#include "host/trace/ray_order.hpp"
 
 namespace claray {
 
@@ -61,25 +64,16 @@ public:
     template <class Results>
     void run(const Buffer<Ray>& rays, Results& results, std::uint32_t capacity,
              const Buffer<std::uint32_t>& count = {}) {
-        const std::uint32_t batch = batch_size(capacity);
-        const std::size_t rays_per_item = std::max<std::size_t>(batch, rays_per_item_);
-        const std::size_t items = std::min((std::size_t(capacity) + rays_per_item - 1) / rays_per_item, most_items_);
         if (options_.brute_force) {
-            kernels_[0].run({items, group_}, state_of(bvh_).header, state_of(bvh_).leaves, CutoutsOf{bvh_}, rays,
-                            results, capacity, arg("count", count), arg("masks", options_.ray_masks));
+            kernels_[0].run({items_for(capacity), group_}, state_of(bvh_).header, state_of(bvh_).leaves,
+                            CutoutsOf{bvh_}, rays, results, capacity, arg("count", count),
+                            arg("masks", options_.ray_masks));
             return;
         }
-        const cl::Buffer& queue = ray_queue(*device_);
-        if (retraces()) {
-            kernels_[0].run({items, group_}, SolidBvh{bvh_}, rays, results, capacity, arg("count", count),
-                            arg("masks", options_.ray_masks), options_.visits, queue, batch);
+        trace(rays, results, capacity, count, order_of(rays, results, capacity, count));
+        if (retraces())
             retrace_.run({(std::size_t(capacity) + rays_per_item_ - 1) / rays_per_item_, 1}, bvh_, rays, results,
                          capacity, arg("count", count), arg("masks", options_.ray_masks));
-            return;
-        }
-        for (Kernel& kernel : kernels_)
-            kernel.run({items, group_}, bvh_, rays, results, capacity, arg("count", count),
-                       arg("masks", options_.ray_masks), options_.visits, queue, batch);
     }
 
 private:
@@ -88,14 +82,47 @@ private:
 
     /// Rays per batch: as tuned, but few enough to keep all compute units busy. 0: no batches.
     [[nodiscard]] std::uint32_t batch_size(std::uint32_t capacity) const;
+    [[nodiscard]] std::size_t items_for(std::uint32_t capacity) const;
+
+    /// `order`: numbers of the rays to trace; absent: the first ones.
+    template <class Results>
+    void trace(const Buffer<Ray>& rays, Results& results, std::uint32_t capacity, const Buffer<std::uint32_t>& count,
+               const Buffer<std::uint32_t>& order) {
+        const auto run = [&](Kernel& kernel, const auto& structure) {
+            kernel.run({items_for(capacity), group_}, structure, rays, results, capacity, arg("count", count),
+                       arg("masks", options_.ray_masks), options_.visits, ray_queue(*device_), batch_size(capacity),
+                       arg("sorted", order));
+        };
+        if (retraces()) return run(kernels_[0], SolidBvh{bvh_});
+        for (Kernel& kernel : kernels_) run(kernel, bvh_);
+    }
+
+    /// The order in which rays are traced, or no buffer. Waits for the device if it has to find out whether an order
+    /// pays: sorting takes as long as tracing short rays, so that some of them are traced first.
+    template <class Results>
+    [[nodiscard]] Buffer<std::uint32_t> order_of(const Buffer<Ray>& rays, Results& results, std::uint32_t capacity,
+                                                 const Buffer<std::uint32_t>& count) {
+        if (!may_sort(capacity, count) || !ray_order_->has_none(bvh_, rays, capacity)) return {};
+        const Buffer<std::uint32_t>& some = ray_order_->sample(capacity);
+        const auto begin = std::chrono::steady_clock::now();
+        trace(rays, results, RayOrder::sample_size, {}, some);
+        device_->finish();
+        if (seconds_since(begin) < least_seconds_to_sort()) return {};
+        return ray_order_->sort(bvh_, rays, capacity);
+    }
+    /// Whether there are so many rays, and nobody says that they are in order. Makes `ray_order_`.
+    [[nodiscard]] bool may_sort(std::uint32_t capacity, const Buffer<std::uint32_t>& count);
+    /// Of tracing RayOrder::sample_size rays.
+    [[nodiscard]] double least_seconds_to_sort() const;
 
     std::optional<Device> device_;  // with the queue
     Bvh bvh_;
     QueryOptions options_;
     std::vector<Kernel> kernels_;  // one, or two schedules of which one traces the rays
     Kernel retrace_;
+    std::shared_ptr<RayOrder> ray_order_;
     std::size_t rays_per_item_ = 1, group_ = 64, most_items_ = std::size_t(-1);
-    std::uint32_t most_in_batch_ = 0;
+    std::uint32_t most_in_batch_ = 0, sort_from_ = 0, sort_from_nanoseconds_ = 0;
 };
 
 }  // namespace claray

@@ -18,14 +18,24 @@ RadixSort<std::uint32_t>::Config sort_config(const Device& device) {
 RayOrder::RayOrder(const Device& device, std::uint32_t capacity)
     : keys_(device, capacity),
       order_(device, capacity),
+      sample_(device, sample_size),
       answer_(device, 1),
       sort_(device, capacity, sort_config(device)),
       make_keys_(load_kernel(device, "trace/queue/ray_order.cl", "ray_keys")),
-      sample_(load_kernel(device, "trace/queue/ray_order.cl", "sample_order")) {}
+      compare_(load_kernel(device, "trace/queue/ray_order.cl", "sample_order")) {}
 
-bool RayOrder::pays(const Bvh& bvh, const Buffer<Ray>& rays, std::uint32_t count) {
-    sample_.run({1, 1}, state_of(bvh).header, rays, count, arg("answer", answer_));
+bool RayOrder::has_none(const Bvh& bvh, const Buffer<Ray>& rays, std::uint32_t count) {
+    compare_.run({1, 1}, state_of(bvh).header, rays, count, arg("answer", answer_));
     return answer_.read()[0] != 0;
+}
+
+/// At multiples of the golden ratio, as in kernels/trace/queue/scattered.clh.
+const Buffer<std::uint32_t>& RayOrder::sample(std::uint32_t count) {
+    std::vector<std::uint32_t> indices(sample_size);
+    for (std::uint32_t i = 0; i < sample_size; ++i)
+        indices[i] = std::uint32_t(std::uint64_t(count) * (i * 0x9e3779b9u) >> 32);
+    sample_.write(std::span<const std::uint32_t>(indices));
+    return sample_;
 }
 
 const Buffer<std::uint32_t>& RayOrder::sort(const Bvh& bvh, const Buffer<Ray>& rays, std::uint32_t count) {

@@ -1,5 +1,5 @@
-// An order in which rays of all directions are faster to trace one by one on CPUs: rays with similar origins and
-// directions are neighbours. Batches (kernels/trace/packets) are as fast or faster without it.
+// An order in which rays of all directions are faster to trace on CPUs: rays with similar origins and directions are
+// neighbours.
 #pragma once
 
 #include "claray/bvh.hpp"
@@ -13,15 +13,19 @@ public:
     RayOrder(const Device& device, std::uint32_t capacity);
 
     /// Whether rays are in no order by which neighbours meet the same parts of a structure, by a sample. Waits for it.
-    [[nodiscard]] bool pays(const Bvh& bvh, const Buffer<Ray>& rays, std::uint32_t count);
+    [[nodiscard]] bool has_none(const Bvh& bvh, const Buffer<Ray>& rays, std::uint32_t count);
+    /// The indices of `sample_size` rays from all parts of so many, at least 65,536.
+    const Buffer<std::uint32_t>& sample(std::uint32_t count);
     /// The indices of rays 0 .. count - 1 in that order; asynchronous.
     const Buffer<std::uint32_t>& sort(const Bvh& bvh, const Buffer<Ray>& rays, std::uint32_t count);
     [[nodiscard]] std::uint32_t capacity() const { return std::uint32_t(keys_.size()); }
 
+    static constexpr std::uint32_t sample_size = 4096;
+
 private:
-    Buffer<std::uint32_t> keys_, order_, answer_;
+    Buffer<std::uint32_t> keys_, order_, sample_, answer_;
     RadixSort<std::uint32_t> sort_;
-    Kernel make_keys_, sample_;
+    Kernel make_keys_, compare_;
 };
 
 }  // namespace claray

@@ -11,7 +11,7 @@ namespace claray {
 
 /// Whether neighbouring rays in an array have similar directions, as camera rays do. Affects speed only.
 enum class Coherence {
-    automatic,  ///< decided by samples of the rays; on GPUs, any-hit rays count as incoherent
+    automatic,  ///< decided by a sample of the rays; on GPUs, any-hit rays count as incoherent
     coherent,
     incoherent
 };
@@ -31,7 +31,8 @@ struct QueryOptions {
     HitFilter filter = {};
 };
 
-/// Finds the closest hit of every ray. Asynchronous. Hits are equal bit for bit in all layouts: among equal distances the
+/// Finds the closest hit of every ray. Asynchronous, except on CPUs for 65,536 rays or more without a coherence hint:
+/// there a sample of the rays is read first. Hits are equal bit for bit in all layouts: among equal distances the
 /// lowest primitive index wins. `hits` must hold at least as many elements as `rays`. If `count` (one element on the
 /// device) is given, only the first min(*count, rays.size()) rays are traced.
 void closest_hit(const Bvh& bvh, const Buffer<Ray>& rays, Buffer<Hit>& hits, const QueryOptions& options = {},

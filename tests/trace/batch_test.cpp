@@ -149,7 +149,7 @@ TEST(Batch, RandomRaysHitAsAlone) {
     expect_same_as_alone(bvh, bounded);
 }
 
-TEST(Batch, ManyRaysInAnyOrderHitAsAlone) {
+TEST(Batch, ManyRaysInAnyOrderHitAsAlone) {  // enough of them to be sorted first
     std::vector<Mesh> meshes = {soup(4000, 0.1f, 20), soup(4000, 0.1f, 21)};
     meshes[0].mask = 1, meshes[1].mask = 2;
     const Bvh bvh = Bvh::build(device(), meshes, {.layout = Layout::wide});

@@ -5,12 +5,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 
 #include "claray/bvh.hpp"
+#include "claray/profiler.hpp"
 #include "claray/program.hpp"
+#include "claray/query.hpp"
 #include "host/bvh/bvh_state.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/meshes.hpp"
+#include "tests/support/tuning.hpp"
 
 namespace claray::test {
 namespace {
@@ -105,6 +109,21 @@ TEST(RayOrder, IsNotMadeOfPictures) {
         for (const unsigned height : {64, 256, 512})
             EXPECT_EQ(unordered(bvh, camera_rays({0, 0, 3}, glm::vec3(0.f), width, height, 1.5f)), 0u)
                 << width << " x " << height;
+}
+
+/// By a part of the rays that is traced first; the hits are the same.
+TEST(RayOrder, IsMadeOfRaysThatTakeLong) {
+    if (device().tuning("trace/closest_hit", "SORT_FROM") == 0) GTEST_SKIP() << "this device never sorts rays";
+    const std::vector<Ray> rays = random_rays(70'000, 2.f, 1.f, 6);
+    std::vector<Hit> hits[2];
+    for (const bool sorts : {false, true}) {
+        const ScopedTuning least("trace/closest_hit", "SORT_FROM_NANOSECONDS", sorts ? 0 : 4'000'000'000u);
+        const Bvh bvh = cube_of_triangles();
+        const double before = device().profiler().milliseconds("ray_keys");
+        hits[sorts] = closest_hit(bvh, rays);
+        EXPECT_EQ(device().profiler().milliseconds("ray_keys") > before, sorts);
+    }
+    EXPECT_EQ(std::memcmp(hits[0].data(), hits[1].data(), rays.size() * sizeof(Hit)), 0);
 }
 
 }  // namespace
