@@ -392,7 +392,6 @@ void add_render_command(CLI::App& app, Action& action) {
     command->callback([&action, command, options] {
         check_targets(*command, *options);
         options->asks_for_guiding = options->config.guide && command->count("--guide") > 0;
-        options->config.denoises = options->denoiser && picked_denoiser(*options->denoiser) == DenoiserKind::claray;
         check_render_options(*command);
         action = [options] { render(*options); };
     });

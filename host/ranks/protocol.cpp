@@ -9,10 +9,10 @@ namespace {
 /// is named here.
 template <class Config, class Visit>
 void visit_config(Config& config, const Visit& visit) {
-    auto& [width, height, spp, max_depth, sample_clamp, seed, seconds, noise, error, adaptive, guide, denoises,
-           report_seconds, sampler, bvh, parts, effects, approximate, light_grid, compiler, checkpoint,
-           checkpoint_seconds, resume] = config;
-    (void)denoises, (void)compiler, (void)checkpoint, (void)checkpoint_seconds, (void)resume;
+    auto& [width, height, spp, max_depth, sample_clamp, seed, seconds, noise, error, adaptive, guide, report_seconds,
+           sampler, bvh, parts, effects, approximate, light_grid, compiler, checkpoint, checkpoint_seconds, resume] =
+        config;
+    (void)compiler, (void)checkpoint, (void)checkpoint_seconds, (void)resume;
     visit(width, height, spp, max_depth, sample_clamp, seed, seconds, noise, error, adaptive, guide, report_seconds,
           sampler, bvh, parts, effects, approximate, light_grid);
 }

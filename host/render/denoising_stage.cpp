@@ -4,30 +4,18 @@
 
 namespace claray {
 
-Guides& DenoisingStage::guides(const Noisy& noisy) {
+const Buffer<Guide>& DenoisingStage::guides_of(const Noisy& noisy) {
     if (!guides_) {
         effects_ = noisy.scene.effects;
         guides_.emplace(noisy.film.device(), noisy.scene, effects_ | added_, sampler_);
     }
-    return *guides_;
-}
-
-Denoiser& DenoisingStage::stills(const Noisy& noisy) {
-    if (!stills_) stills_.emplace(noisy.film.device(), noisy.frame.width, noisy.frame.height);
-    return *stills_;
-}
-
-void DenoisingStage::prepare(const Noisy& noisy) {
-    guides(noisy).make_room(noisy.frame.width * noisy.frame.height);
-    (void)stills(noisy);
-}
-
-const Buffer<Guide>& DenoisingStage::guides_of(const Noisy& noisy) {
-    return guides(noisy).trace(noisy.frame, noisy.film, noisy.spp);
+    return guides_->trace(noisy.frame, noisy.film, noisy.spp);
 }
 
 const Buffer<float>& DenoisingStage::still(const Noisy& noisy) {
-    return stills(noisy).denoise(noisy.film, guides_of(noisy), noisy.spp);
+    const Buffer<Guide>& guides = guides_of(noisy);
+    if (!stills_) stills_.emplace(noisy.film.device(), noisy.frame.width, noisy.frame.height);
+    return stills_->denoise(noisy.film, guides, noisy.spp);
 }
 
 const Buffer<float>& DenoisingStage::next_frame(const Noisy& noisy) {

@@ -18,8 +18,6 @@ public:
         const Buffer<FilmPixel>& film;
         std::uint32_t spp;
     };
-    /// Loads kernels and takes memory for `still`.
-    void prepare(const Noisy& noisy);
     /// One guide per pixel, valid until the next call. Blocks.
     [[nodiscard]] const Buffer<Guide>& guides_of(const Noisy& noisy);
     /// Returns the radiance of the film, 3 floats per pixel, valid until the next call. Blocks.
@@ -37,9 +35,6 @@ public:
     [[nodiscard]] std::uint64_t bytes() const;
 
 private:
-    Guides& guides(const Noisy& noisy);
-    Denoiser& stills(const Noisy& noisy);
-
     Sampler sampler_;
     EffectSet added_;    // effects that kernels support in addition
     EffectSet effects_;  // for which the guides' kernels were compiled

@@ -89,7 +89,8 @@ Guides::Guides(const Device& device, const SceneBuffers& scene, EffectSet effect
 
 const Buffer<Guide>& Guides::trace(const FrameData& frame, const Buffer<FilmPixel>& film, std::uint32_t spp) {
     const std::uint32_t pixels = frame.width * frame.height;
-    make_room(pixels);
+    guides_.reserve(device_, pixels), glows_.reserve(device_, pixels), list_.reserve(device_, 2 * std::size_t(pixels)),
+        classes_.reserve(device_, pixels);
     trace_runs(frame, film, {{pixels, samples_of_all}}, 0, false);
     const double rays = double(pixels) * edge_rays_per_pixel(spp);
     const double first = trace_edges(frame, film, share_of_first_pass * rays, rays, spp);
@@ -129,13 +130,7 @@ std::uint64_t Guides::bytes() const {
     return bytes;
 }
 
-void Guides::make_room(std::uint32_t pixels) {
-    guides_.reserve(device_, pixels), glows_.reserve(device_, pixels), list_.reserve(device_, 2 * std::size_t(pixels)),
-        classes_.reserve(device_, pixels);
-    make_room_for_rays(std::min<std::uint64_t>(std::uint64_t(pixels) * samples_of_all, capacity_));
-}
-
-void Guides::make_room_for_rays(std::size_t rays) {
+void Guides::make_room(std::size_t rays) {
     if (sights_.allocated() && sights_.size() >= rays) return;
     for (int i = 0; i < 2; ++i) {
         rays_[i] = Buffer<Ray>(device_, rays), numbers_[i] = Buffer<std::uint32_t>(device_, rays);
@@ -156,7 +151,7 @@ void Guides::trace_runs(const FrameData& frame, const Buffer<FilmPixel>& film, c
                         std::uint32_t first_pixel, bool listed) {
     std::uint64_t all = 0;
     for (const Run& run : runs) all += std::uint64_t(run.pixels) * run.samples;
-    make_room_for_rays(std::min<std::uint64_t>(all, capacity_));
+    make_room(std::min<std::uint64_t>(all, capacity_));
     GuideStep guide{{{first_pixel, 0, 0, 0, 0}, frame, 0, 0, 0, 0}, std::uint32_t(listed), 0};
     std::vector<GuideRun> batch_runs;
     Batch& batch = guide.step.batch;

@@ -17,8 +17,6 @@ public:
     /// One guide per pixel of the frame, for a film of `spp` samples per pixel. Blocks.
     [[nodiscard]] const Buffer<Guide>& trace(const FrameData& frame, const Buffer<FilmPixel>& film, std::uint32_t spp);
     /// Of the device, besides those of the scene.
-    /// Takes the memory for `trace` of so many pixels.
-    void make_room(std::uint32_t pixels);
     [[nodiscard]] std::uint64_t bytes() const;
 
 private:
@@ -34,7 +32,7 @@ private:
                     std::uint32_t first_pixel, bool listed);
 
     [[nodiscard]] Range range_of_writing(std::uint32_t pixels, bool listed) const;
-    void make_room_for_rays(std::size_t rays);
+    void make_room(std::size_t rays);
     /// Follows the camera rays of a batch to the first rough surface. Blocks.
     void see(GuideStep guide);
 

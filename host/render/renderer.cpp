@@ -192,7 +192,6 @@ RenderProgress Renderer::render_for(double seconds, const std::function<bool(con
         last_report = Clock::now();
     }
     if (saves) state.save_checkpoint();
-    if (state.config.denoises) state.denoising_stage().prepare(state.noisy());
     state.device.finish();
     return state.measure();
 }

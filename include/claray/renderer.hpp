@@ -112,8 +112,6 @@ struct RenderConfig {
     /// accordingly, where these samples promise less noise. The expectation of the image is the same. Ignored on GPUs,
     /// up to 8 samples per pixel, below 16,384 pixels, with hot spots and with approximations.
     bool guide = true;
-    /// Renderer::denoised will be called: its kernels and memory are made ready while a GPU takes the last samples.
-    bool denoises = false;
     double report_seconds = 0.2;  ///< approximate time between two calls of the `progress` of Renderer::render
     Sampler sampler = Sampler::sobol;
     Bvh::Config bvh = {};  ///< Builder::automatic is `balanced` for scenes with instances
