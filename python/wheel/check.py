@@ -2,8 +2,9 @@
 
     python3 python/wheel/check.py [--release NAME...] [WHEEL...]
 
-WHEEL: files of make.py [out/wheels]. NAME: a release of Debian with a Python that one of them is for [bookworm]. Needs root, the
-package mmdebstrap, and PyPI. Each system is a folder in build/wheel, which is kept.
+WHEEL: files of make.py [out/wheels]. NAME: a release of Debian whose Python one of them is for [bookworm, with Python 3.11; if there is
+only a wheel for 3.12 and later, trixie]. Needs root, the package mmdebstrap, and PyPI. Each system is a folder in build/wheel, which is
+kept. The exit code is 77 if this system cannot make another.
 """
 
 import argparse
@@ -21,14 +22,23 @@ MIRROR = "http://deb.debian.org/debian"
 CERTIFICATES = "etc/ssl/certs/ca-certificates.crt"
 OF_THE_SYSTEM = re.compile(r"/(libc|libm|libdl|librt|libpthread|libstdc\+\+|libgcc_s|ld-linux[^/]*)[-.]|^/usr/lib/(python3|locale)"
                            r"|/lib(expat|z|zstd|ssl|crypto|ffi|bz2|lzma|uuid|python3[.\d]*)[-.]")  # the last ones are Python's own
+NOT_TRIED = 77
 MOST_SECONDS, MOST_IMPORT_SECONDS = 60, 0.05
+
+
+def cannot_try(why):
+    print(f"check.py: {why}; the wheels are not tried", file=sys.stderr)
+    sys.exit(NOT_TRIED)
 
 
 def bare_system(release):
     folder = ROOT / "build/wheel" / release
     if not folder.exists():
         print(f"making {folder}", file=sys.stderr)
-        subprocess.run(["mmdebstrap", "--quiet", "--variant=minbase", "--include=python3,python3-venv,ca-certificates", release, folder, MIRROR], check=True)
+        making = ["mmdebstrap", "--quiet", "--variant=minbase", "--include=python3,python3-venv,ca-certificates", release, folder, MIRROR]
+        if subprocess.run(making).returncode:
+            shutil.rmtree(folder, ignore_errors=True)
+            cannot_try(f"cannot make a bare {release}")
     shutil.copy(pathlib.Path("/", CERTIFICATES), folder / CERTIFICATES)  # also of a proxy
     shutil.copy("/etc/resolv.conf", folder / "etc/resolv.conf")
     return folder
@@ -93,15 +103,17 @@ def check(release, wheels):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("wheels", nargs="*", type=pathlib.Path)
-    parser.add_argument("--release", nargs="+", default=["bookworm"])
+    parser.add_argument("--release", nargs="+")
     options = parser.parse_args()
     wheels = options.wheels or sorted((ROOT / "out/wheels").glob("*.whl"))
     if not wheels:
         parser.error("there is no wheel in out/wheels: python3 python/wheel/make.py makes one")
-    for tool in ("mmdebstrap", "unshare"):
-        if not shutil.which(tool):
-            parser.error(f"{tool} is missing; install it: apt-get install mmdebstrap util-linux")
-    sys.exit(any([check(release, wheels) for release in options.release]))
+    if not shutil.which("mmdebstrap"):
+        cannot_try("mmdebstrap is missing: apt-get install mmdebstrap")
+    if subprocess.run(["unshare", "--mount", "true"], stderr=subprocess.DEVNULL).returncode:
+        cannot_try("only root can mount what a bare system needs")
+    usual = ["bookworm" if any("cp311" in path.name for path in wheels) else "trixie"]
+    sys.exit(any([check(release, wheels) for release in options.release or usual]))
 
 
 if __name__ == "__main__":

