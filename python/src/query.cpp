@@ -65,6 +65,13 @@ Columns columns_of(const AnyColumns& array) {
     return {array.data(), array.stride(0) * bytes, array.ndim() > 1 ? array.stride(1) * bytes : 0, doubles};
 }
 
+/// One element is for all rays.
+Columns ends_of(const AnyColumns& array) {
+    Columns columns = columns_of(array);
+    if (array.shape(0) == 1) columns.row_stride = 0;
+    return columns;
+}
+
 /// Rays that are packed in pieces, so that scratch memory is bounded.
 constexpr std::size_t most_rays_at_once = std::size_t(1) << 22;
 
@@ -131,7 +138,7 @@ std::int64_t signed_row(std::size_t bad) { return bad == all_finite ? std::int64
 /// Returns the first row that is not finite, or -1. All other rays are traced.
 std::int64_t run_columns(PyQuery& self, const AnyColumns& origins, const AnyColumns& directions, const AnyColumns& tmin,
                          const AnyColumns& tmax, const Words& masks, const Floats& times, const Bytes& out) {
-    const RayColumns columns{columns_of(origins), columns_of(directions), columns_of(tmin), columns_of(tmax)};
+    const RayColumns columns{columns_of(origins), columns_of(directions), ends_of(tmin), ends_of(tmax)};
     const std::size_t count = out.shape(0);
     return without_gil(self.device, [&] {
         std::size_t bad = all_finite;
@@ -149,7 +156,7 @@ std::int64_t run_columns(PyQuery& self, const AnyColumns& origins, const AnyColu
 /// Returns the first row that is not finite, or -1.
 std::int64_t pack(const AnyColumns& origins, const AnyColumns& directions, const AnyColumns& tmin,
                   const AnyColumns& tmax, const Output<float, nb::shape<-1, 8>>& out) {
-    const RayColumns columns{columns_of(origins), columns_of(directions), columns_of(tmin), columns_of(tmax)};
+    const RayColumns columns{columns_of(origins), columns_of(directions), ends_of(tmin), ends_of(tmax)};
     const nb::gil_scoped_release release;
     return signed_row(pack_rays({reinterpret_cast<Ray*>(out.data()), out.shape(0)}, columns, 0));
 }

@@ -229,3 +229,21 @@ def test_nothing_leaks(soup, rays):
     del hits
     gc.collect()
     assert counts == [sys.getrefcount(array) for array in arrays]
+
+
+def test_one_end_for_all_rays_is_that_of_each(soup):
+    vertices, triangles, _ = soup
+    bvh = claray.Bvh(vertices, triangles)
+    origins = np.random.default_rng(5).uniform(-1, 1, (50, 3)).astype(np.float32)
+    directions = -origins
+    for count in (1, 50):
+        rays = origins[:count], directions[:count]
+        for tmin, tmax in ((0.0, np.inf), (0.1, 0.9), (0, 1), (np.float32(0.25), 2.0)):
+            one = claray.closest_hit(bvh, *rays, tmin=tmin, tmax=tmax)
+            each = claray.closest_hit(bvh, *rays, tmin=np.full(count, tmin), tmax=np.full(count, tmax))
+            assert (one == each).all()
+            packed = claray.rays(*rays, tmin=np.full(count, tmin), tmax=np.full(count, tmax))
+            assert claray.rays(*rays, tmin=tmin, tmax=tmax).tobytes() == packed.tobytes()
+    for name in ("tmin", "tmax"):
+        with pytest.raises(claray.UsageError, match=f"^{name}: "):
+            claray.closest_hit(bvh, origins, directions, **{name: float("nan")})
