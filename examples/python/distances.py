@@ -9,6 +9,7 @@
 import argparse
 
 import numpy as np
+from numpy.typing import NDArray
 
 import claray
 
@@ -23,7 +24,7 @@ options = parser.parse_known_args()[0]  # a notebook has arguments of its own
 
 
 # %%
-def ring(axis, centre, rows=64):
+def ring(axis: int, centre: tuple[float, float, float], rows: int = 64) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """A torus of radii 1 and 0.3 whose hole is along an axis: vertices and triangles."""
     row, column = (index.ravel() for index in np.indices((rows, rows)))
     u, v = 2 * np.pi * row / rows, 2 * np.pi * column / rows

@@ -8,6 +8,7 @@
 import argparse
 
 import numpy as np
+from numpy.typing import NDArray
 
 import claray
 
@@ -35,7 +36,7 @@ for parity, colour in enumerate([(0.8, 0.8, 0.75), (0.15, 0.25, 0.35)]):
 
 
 # %%
-def add_ball(centre, radius, material, rows=64):
+def add_ball(centre: NDArray[np.float64], radius: float, material: int, rows: int = 64) -> None:
     theta, phi = np.meshgrid(np.linspace(0, np.pi, rows + 1), np.linspace(0, 2 * np.pi, 2 * rows + 1), indexing="ij")
     normals = np.stack([np.sin(theta) * np.sin(phi), np.cos(theta), np.sin(theta) * np.cos(phi)], axis=-1).reshape(-1, 3)
     row, column = np.meshgrid(np.arange(rows), np.arange(2 * rows), indexing="ij")
