@@ -41,7 +41,7 @@ struct Primitives::State {
         const auto number = std::uint32_t(rays.size());
         const unsigned fewest = device.tuning("trace/closest_hit", "SORT_FROM");
         if (options.coherence != Coherence::incoherent || fewest == 0 || number < fewest) return none;
-        if (!ray_order || ray_order->capacity() < number) ray_order = std::make_unique<RayOrder>(device, number);
+        if (!ray_order) ray_order = std::make_unique<RayOrder>(device);
         return ray_order->has_none(bvh, rays, number) ? ray_order->sort(bvh, rays, number) : none;
     }
 

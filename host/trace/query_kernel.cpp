@@ -94,14 +94,15 @@ QueryKernel::QueryKernel(const Device& device, const Bvh& bvh, Kind kind, const 
 }
 
 bool QueryKernel::may_sort(std::uint32_t capacity, const Buffer<std::uint32_t>& count) {
-    if (sort_from_ == 0 || capacity < sort_from_ || count.allocated()) return false;
-    if (options_.coherence == Coherence::coherent) return false;
-    if (!ray_order_ || ray_order_->capacity() < capacity) ray_order_ = std::make_shared<RayOrder>(*device_, capacity);
+    constexpr std::uint32_t most_of_sample = 16;  // or the sample costs more than it tells
+    if (sort_from_ == 0 || count.allocated() || options_.coherence == Coherence::coherent) return false;
+    if (capacity < sort_from_ || capacity / most_of_sample < sample_size()) return false;
+    if (!ray_order_) ray_order_ = std::make_shared<RayOrder>(*device_);
     return true;
 }
 
 double QueryKernel::least_seconds_to_sort() const {
-    return 1e-9 * sort_from_nanoseconds_ * RayOrder::sample_size / std::max(1u, device_->info().compute_units);
+    return 1e-9 * sort_from_nanoseconds_ * sample_size() / std::max(1u, device_->info().compute_units);
 }
 
 std::uint32_t QueryKernel::batch_size(std::uint32_t capacity) const {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <optional>
+#include <utility>
 
 #include "host/base/seconds_since.hpp"
 #include "host/bvh/bvh_state.hpp"
@@ -103,16 +104,22 @@ private:
     [[nodiscard]] Buffer<std::uint32_t> order_of(const Buffer<Ray>& rays, Results& results, std::uint32_t capacity,
                                                  const Buffer<std::uint32_t>& count) {
         if (!may_sort(capacity, count) || !ray_order_->has_none(bvh_, rays, capacity)) return {};
-        const Buffer<std::uint32_t>& some = ray_order_->sample(capacity);
+        const Buffer<std::uint32_t>& some = ray_order_->sample(capacity, sample_size());
+        const auto trace_some = [&] {
+            trace(rays, results, sample_size(), {}, some);
+            device_->finish();
+        };
+        if (!std::exchange(has_sampled_, true)) trace_some();  // a driver loads a kernel when it first runs
         const auto begin = std::chrono::steady_clock::now();
-        trace(rays, results, RayOrder::sample_size, {}, some);
-        device_->finish();
+        trace_some();
         if (seconds_since(begin) < least_seconds_to_sort()) return {};
         return ray_order_->sort(bvh_, rays, capacity);
     }
     /// Whether there are so many rays, and nobody says that they are in order. Makes `ray_order_`.
     [[nodiscard]] bool may_sort(std::uint32_t capacity, const Buffer<std::uint32_t>& count);
-    /// Of tracing RayOrder::sample_size rays.
+    /// Rays that are traced first: so many for each compute unit that a launch takes a small part of their time.
+    [[nodiscard]] std::uint32_t sample_size() const { return 2048 * std::max(1u, device_->info().compute_units); }
+    /// Of tracing these.
     [[nodiscard]] double least_seconds_to_sort() const;
 
     std::optional<Device> device_;  // with the queue
@@ -123,6 +130,7 @@ private:
     std::shared_ptr<RayOrder> ray_order_;
     std::size_t rays_per_item_ = 1, group_ = 64, most_items_ = std::size_t(-1);
     std::uint32_t most_in_batch_ = 0, sort_from_ = 0, sort_from_nanoseconds_ = 0;
+    bool has_sampled_ = false;
 };
 
 }  // namespace claray

@@ -15,14 +15,8 @@ RadixSort<std::uint32_t>::Config sort_config(const Device& device) {
 
 }  // namespace
 
-RayOrder::RayOrder(const Device& device, std::uint32_t capacity)
-    : keys_(device, capacity),
-      order_(device, capacity),
-      sample_(device, sample_size),
-      answer_(device, 1),
-      sort_(device, capacity, sort_config(device)),
-      make_keys_(load_kernel(device, "trace/queue/ray_order.cl", "ray_keys")),
-      compare_(load_kernel(device, "trace/queue/ray_order.cl", "sample_order")) {}
+RayOrder::RayOrder(const Device& device)
+    : device_(device), answer_(device, 1), compare_(load_kernel(device, "trace/queue/ray_order.cl", "sample_order")) {}
 
 bool RayOrder::has_none(const Bvh& bvh, const Buffer<Ray>& rays, std::uint32_t count) {
     compare_.run({1, 1}, state_of(bvh).header, rays, count, arg("answer", answer_));
@@ -30,17 +24,22 @@ bool RayOrder::has_none(const Bvh& bvh, const Buffer<Ray>& rays, std::uint32_t c
 }
 
 /// At multiples of the golden ratio, as in kernels/trace/queue/scattered.clh.
-const Buffer<std::uint32_t>& RayOrder::sample(std::uint32_t count) {
-    std::vector<std::uint32_t> indices(sample_size);
-    for (std::uint32_t i = 0; i < sample_size; ++i)
-        indices[i] = std::uint32_t(std::uint64_t(count) * (i * 0x9e3779b9u) >> 32);
+const Buffer<std::uint32_t>& RayOrder::sample(std::uint32_t count, std::uint32_t size) {
+    std::vector<std::uint32_t> indices(size);
+    for (std::uint32_t i = 0; i < size; ++i) indices[i] = std::uint32_t(std::uint64_t(count) * (i * 0x9e3779b9u) >> 32);
+    sample_.reserve(device_, size);
     sample_.write(std::span<const std::uint32_t>(indices));
     return sample_;
 }
 
 const Buffer<std::uint32_t>& RayOrder::sort(const Bvh& bvh, const Buffer<Ray>& rays, std::uint32_t count) {
+    if (!sort_ || keys_.size() < count) {
+        keys_ = Buffer<std::uint32_t>(device_, count), order_ = Buffer<std::uint32_t>(device_, count);
+        sort_.emplace(device_, count, sort_config(device_));
+        make_keys_ = load_kernel(device_, "trace/queue/ray_order.cl", "ray_keys");
+    }
     make_keys_.run({(count + rays_per_item - 1) / rays_per_item, 1}, state_of(bvh).header, rays, count, keys_);
-    sort_.sort(keys_, order_, count);
+    sort_->sort(keys_, order_, count);
     return order_;
 }
 

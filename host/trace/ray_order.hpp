@@ -2,6 +2,8 @@
 // neighbours.
 #pragma once
 
+#include <optional>
+
 #include "claray/bvh.hpp"
 #include "host/sort/radix_sort.hpp"
 
@@ -9,22 +11,19 @@ namespace claray {
 
 class RayOrder {
 public:
-    /// For up to `capacity` rays; needs 16 bytes per ray.
-    RayOrder(const Device& device, std::uint32_t capacity);
+    explicit RayOrder(const Device& device);
 
     /// Whether rays are in no order by which neighbours meet the same parts of a structure, by a sample. Waits for it.
     [[nodiscard]] bool has_none(const Bvh& bvh, const Buffer<Ray>& rays, std::uint32_t count);
-    /// The indices of `sample_size` rays from all parts of so many, at least 65,536.
-    const Buffer<std::uint32_t>& sample(std::uint32_t count);
-    /// The indices of rays 0 .. count - 1 in that order; asynchronous.
+    /// The indices of `size` of `count` rays, from all parts of them.
+    const Buffer<std::uint32_t>& sample(std::uint32_t count, std::uint32_t size);
+    /// The indices of rays 0 .. count - 1 in that order; asynchronous. Takes 16 bytes per ray, which it keeps.
     const Buffer<std::uint32_t>& sort(const Bvh& bvh, const Buffer<Ray>& rays, std::uint32_t count);
-    [[nodiscard]] std::uint32_t capacity() const { return std::uint32_t(keys_.size()); }
-
-    static constexpr std::uint32_t sample_size = 4096;
 
 private:
+    Device device_;
     Buffer<std::uint32_t> keys_, order_, sample_, answer_;
-    RadixSort<std::uint32_t> sort_;
+    std::optional<RadixSort<std::uint32_t>> sort_;
     Kernel make_keys_, compare_;
 };
 

@@ -1,6 +1,9 @@
 // claray::Error as the exceptions of claray/errors.py.
 #include "claray/error.hpp"
 
+#include <string>
+#include <string_view>
+
 #include "handles.hpp"
 
 namespace claray::python {
@@ -15,6 +18,16 @@ const char* class_of(ErrorKind kind) {
     }
 }
 
+/// Where a system's package would help, drivers of PyPI do, too: claray/_loader.py finds them.
+std::string message_of(const Error& error) {
+    constexpr std::string_view remedy = "apt-get install pocl-opencl-icd";
+    std::string message = error.what();
+    const std::size_t at = message.find(remedy);
+    if (at != std::string::npos)
+        message.insert(at + remedy.size(), ", or pip install intel-opencl-rt intel-cmplr-lib-rt");
+    return message;
+}
+
 }  // namespace
 
 void bind_errors(nb::module_&) {
@@ -23,7 +36,7 @@ void bind_errors(nb::module_&) {
             std::rethrow_exception(thrown);
         } catch (const Error& error) {
             const nb::object type = nb::module_::import_("claray.errors").attr(class_of(error.kind()));
-            PyErr_SetString(type.ptr(), error.what());
+            PyErr_SetString(type.ptr(), message_of(error).c_str());
         }
     });
 }

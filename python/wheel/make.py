@@ -56,6 +56,8 @@ def libraries(wheel):
     with tempfile.TemporaryDirectory() as folder, zipfile.ZipFile(wheel) as archive:
         module = archive.extract(next(name for name in archive.namelist() if "/_native." in name and name.endswith(".so")), folder)
         found = run("ldd", module, stdout=subprocess.PIPE).stdout
+    if "-abi3-" in wheel.name and ".abi3." not in os.path.basename(module):
+        sys.exit(f"make.py: {os.path.basename(module)} is for one version of Python; install the one whose development files are complete")
     return dict(re.findall(r"(\S+) => (/\S+)", found))
 
 

@@ -15,7 +15,7 @@ KEY = "OCL_ICD_VENDORS"
 @pytest.fixture
 def machine(tmp_path, monkeypatch):
     """A system with PoCL, and an environment of Python with Intel's runtime."""
-    for name in (KEY, "OCL_ICD_FILENAMES"):
+    for name in (KEY, "OCL_ICD_FILENAMES", "OPENCL_VENDOR_PATH", "CLARAY_CACHE_DIR"):
         monkeypatch.delenv(name, raising=False)
     system, prefix = tmp_path / "vendors", tmp_path / "env"
     system.mkdir(), (prefix / "lib").mkdir(parents=True)
@@ -24,6 +24,7 @@ def machine(tmp_path, monkeypatch):
     monkeypatch.setattr(loader, "_SYSTEM", str(system))
     monkeypatch.setattr(sys, "prefix", str(prefix))
     monkeypatch.setattr(loader.site, "getuserbase", lambda: str(tmp_path / "none"))
+    monkeypatch.setattr(loader.sysconfig, "get_path", lambda name: str(prefix))
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     yield tmp_path
     os.environ.pop(KEY, None)
@@ -44,6 +45,22 @@ def test_both_are_registered_in_one_folder(machine):
     assert len(os.listdir(machine / "cache/claray")) == 1
 
 
+def test_a_folder_that_lacks_files_is_made_again(machine):
+    loader._register_drivers()
+    folder = os.environ.pop(KEY)
+    os.remove(os.path.join(folder, "pocl.icd"))
+    loader._register_drivers()
+    assert os.environ[KEY] == folder and sorted(registered()) == ["pip-0.icd", "pocl.icd"]
+
+
+def test_nothing_is_set_where_no_folder_can_be_written(machine, monkeypatch):
+    (machine / "file").touch()
+    monkeypatch.setenv("CLARAY_CACHE_DIR", str(machine / "file/cache"))
+    monkeypatch.setattr(loader.tempfile, "tempdir", str(machine / "file"))
+    loader._register_drivers()
+    assert KEY not in os.environ
+
+
 def test_what_the_user_set_stays(machine, monkeypatch):
     monkeypatch.setenv(KEY, "/mine")
     loader._register_drivers()
@@ -55,7 +72,8 @@ def test_what_the_user_set_stays(machine, monkeypatch):
 
 
 def test_drivers_of_the_system_are_not_registered_twice(machine):
-    (machine / "vendors/intel.icd").write_text("/opt/intel/libintelocl.so\n")
+    (machine / "libintelocl.so").touch()
+    (machine / "vendors/intel.icd").write_text(f"{machine / 'libintelocl.so'}\n")
     loader._register_drivers()
     assert KEY not in os.environ
 

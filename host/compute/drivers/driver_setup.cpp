@@ -98,7 +98,7 @@ std::string no_device_remedy() {
     if (!failing.empty()) return failing.front();
     if (!pocl_can_write)
         return "PoCL has no folder: set POCL_CACHE_DIR, HOME or TMPDIR to one that is writable and has 32 MB";
-    return "install a driver, for example for CPUs: apt-get install pocl-opencl-icd, or pip install 'claray[cpu]'";
+    return "install a driver, for example for CPUs: apt-get install pocl-opencl-icd";
 }
 
 }  // namespace claray
