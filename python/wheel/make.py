@@ -109,13 +109,18 @@ def repair(tools, wheel, nanobind, out):
         return pathlib.Path(shutil.copy(made, out / made.name))
 
 
+def time_of_last_change():
+    """In seconds since 1970; of sources without git the earliest that a wheel can have."""
+    told = subprocess.run(["git", "log", "-1", "--format=%ct"], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    return told.stdout.strip() or "315532800"
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("pythons", nargs="*", metavar="PYTHON", default=[sys.executable])
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out/wheels")
     options = parser.parse_args()
-    # A wheel has the times of the last change, so that it is the same whenever it is built.
-    os.environ.setdefault("SOURCE_DATE_EPOCH", run("git", "log", "-1", "--format=%ct", cwd=ROOT, stdout=subprocess.PIPE).stdout.strip())
+    os.environ.setdefault("SOURCE_DATE_EPOCH", time_of_last_change())  # so that a wheel is the same whenever it is built
     options.out.mkdir(parents=True, exist_ok=True)
     tools = environment(sys.executable, "tools", TOOLS)
     for python in options.pythons:
