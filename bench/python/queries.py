@@ -8,56 +8,24 @@ processors, medians, with claray's default device and builder. Needs claray, emb
 
 import argparse
 import csv
+import importlib
 import os
+import sys
 import time
 
-import embreex.rtcore
 import numpy as np
-import open3d
 import trimesh
-from embreex.mesh_construction import TriangleMesh
-from embreex.rtcore_scene import EmbreeScene
 
-import claray
-from rays import medians, rays_in_order, rays_in_random_order
+FOLDER = os.path.dirname(os.path.abspath(__file__))
+sys.path[1:1] = [os.path.join(FOLDER, "../league"), os.path.join(FOLDER, "../hardrays")]
 
+from rays import medians, rays_in_order, rays_in_random_order  # noqa: E402
+
+LIBRARIES = ("claray", "embreex", "open3d")  # the league's tracers build, the adapters of the hard rays answer arrays
+TRACERS = [importlib.import_module("tracers." + name) for name in LIBRARIES]
+ADAPTERS = [importlib.import_module("adapters." + name) for name in LIBRARIES]
 MANY = 1_000_000
 COLUMNS = ("scene", "triangles", "task", "count", "claray_milliseconds", "embreex_milliseconds", "open3d_milliseconds")
-
-
-class Claray:
-    def __init__(self, points, triangles):
-        self.bvh = claray.Bvh(points, triangles)
-        self.bvh.device.finish()
-
-    def hits(self, rays):
-        return int(np.count_nonzero(claray.closest_hit(self.bvh, *rays)["primitive"] != claray.MISS))
-
-
-class Embreex:
-    device = embreex.rtcore.EmbreeDevice()
-
-    def __init__(self, points, triangles):
-        self.scene = EmbreeScene(self.device)
-        self.mesh = TriangleMesh(self.scene, points[triangles])
-        self.scene.run(points[:1], points[:1] + 1)  # which builds
-
-    def hits(self, rays):
-        return int(np.count_nonzero(self.scene.run(*rays, output=True)["primID"] >= 0))
-
-
-class Open3d:
-    def __init__(self, points, triangles):
-        self.scene = open3d.t.geometry.RaycastingScene()
-        self.scene.add_triangles(points, triangles)
-        self.scene.cast_rays(np.zeros((1, 6), np.float32))  # which builds
-
-    def hits(self, rays):
-        found = self.scene.cast_rays(np.concatenate(rays, 1))["primitive_ids"].numpy()
-        return int(np.count_nonzero(found != open3d.t.geometry.RaycastingScene.INVALID_ID))
-
-
-LIBRARIES = (Claray, Embreex, Open3d)
 
 
 def report(rows, name, triangles, task, count, tasks, rounds):
@@ -69,15 +37,16 @@ def report(rows, name, triangles, task, count, tasks, rounds):
 
 def compare(name, mesh, rounds, rows):
     points, triangles = np.ascontiguousarray(mesh.vertices, np.float32), np.ascontiguousarray(mesh.faces, np.uint32)
-    report(rows, name, len(triangles), "build", len(triangles), [lambda c=c: c(points, triangles) for c in LIBRARIES], rounds)
-    built = [c(points, triangles) for c in LIBRARIES]
+    report(rows, name, len(triangles), "build", len(triangles), [lambda t=t: t.make(points, triangles) for t in TRACERS], rounds)
+    scenes = [t.make(points, triangles) for t in TRACERS]
     random = [("random", rays_in_random_order(mesh, count, np.random.default_rng(1))) for count in (100, 1000, 10_000, MANY)]
     for task, rays in [*random, ("in order", rays_in_order(mesh, MANY))]:
         rays = [array.astype(np.float32) for array in rays]
-        found = [one.hits(rays) for one in built]
+        tasks = [lambda a=a, scene=scene: int(np.count_nonzero(a.closest_hit(scene, *rays)[0])) for a, scene in zip(ADAPTERS, scenes)]
+        found = [count() for count in tasks]
         if max(found) - min(found) > 1e-3 * len(rays[0]) + 1:
             print(f"{name}, {task}: {found} hits")
-        report(rows, name, len(triangles), task, len(rays[0]), [lambda one=one: one.hits(rays) for one in built], rounds)
+        report(rows, name, len(triangles), task, len(rays[0]), tasks, rounds)
 
 
 def main():

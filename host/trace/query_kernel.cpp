@@ -102,7 +102,7 @@ bool QueryKernel::may_sort(std::uint32_t capacity, const Buffer<std::uint32_t>& 
 }
 
 double QueryKernel::least_seconds_to_sort() const {
-    return 1e-9 * sort_from_nanoseconds_ * sample_size() / std::max(1u, device_->info().compute_units);
+    return 1e-9 * sort_from_nanoseconds_ * sampled_by_unit;  // as all units trace at the same time
 }
 
 std::uint32_t QueryKernel::batch_size(std::uint32_t capacity) const {

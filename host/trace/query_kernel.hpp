@@ -14,8 +14,8 @@
 
 namespace claray {
 
-/// The words of kernels/trace/queue/ray_queue.clh. All queries of a device share them, because its
-/// commands run one after another.
+/// The words of kernels/trace/queue/ray_queue.clh. All queries of a device share them, because its commands run one
+/// after another.
 [[nodiscard]] const cl::Buffer& ray_queue(const Device& device);
 
 /// Binds only CLARAY_CUTOUTS_PARAMETERS.
@@ -118,7 +118,10 @@ private:
     /// Whether there are so many rays, and nobody says that they are in order. Makes `ray_order_`.
     [[nodiscard]] bool may_sort(std::uint32_t capacity, const Buffer<std::uint32_t>& count);
     /// Rays that are traced first: so many for each compute unit that a launch takes a small part of their time.
-    [[nodiscard]] std::uint32_t sample_size() const { return 2048 * std::max(1u, device_->info().compute_units); }
+    static constexpr std::uint32_t sampled_by_unit = 2048;
+    [[nodiscard]] std::uint32_t sample_size() const {
+        return sampled_by_unit * std::max(1u, device_->info().compute_units);
+    }
     /// Of tracing these.
     [[nodiscard]] double least_seconds_to_sort() const;
 

@@ -32,9 +32,9 @@ struct QueryOptions {
 };
 
 /// Finds the closest hit of every ray. Asynchronous, except on CPUs for 65,536 rays or more without a coherence hint:
-/// there a sample of the rays is read first. Hits are equal bit for bit in all layouts: among equal distances the
-/// lowest primitive index wins. `hits` must hold at least as many elements as `rays`. If `count` (one element on the
-/// device) is given, only the first min(*count, rays.size()) rays are traced.
+/// there some of the rays are read and traced first. Hits are equal bit for bit in all layouts: among equal distances
+/// the lowest primitive index wins. `hits` must hold at least as many elements as `rays`. If `count` (one element on
+/// the device) is given, only the first min(*count, rays.size()) rays are traced.
 void closest_hit(const Bvh& bvh, const Buffer<Ray>& rays, Buffer<Hit>& hits, const QueryOptions& options = {},
                  const Buffer<std::uint32_t>& count = {});
 /// Writes 1 for every ray that hits anything, else 0. Asynchronous as closest_hit.

@@ -78,8 +78,8 @@ def stem_of(library):
 def add_licences(folder, wheel, nanobind):
     """Beside the wheel's metadata, the licence of all that is inside, and THIRD_PARTY.md, which lists it."""
     inside = {stem_of(path.name) for path in (*folder.glob("claray.libs/*"), *folder.glob("claray/loader/*"))}
-    texts = {package_of(os.path.realpath(file)): None for name, file in sorted(libraries(wheel).items()) if stem_of(name) in inside}
-    texts = {package: pathlib.Path("/usr/share/doc", package, "copyright") for package in (*texts, *WITHIN)} | {"nanobind": nanobind}
+    packages = {package_of(os.path.realpath(file)) for name, file in libraries(wheel).items() if stem_of(name) in inside}.union(WITHIN)
+    texts = {package: pathlib.Path("/usr/share/doc", package, "copyright") for package in packages} | {"nanobind": nanobind}
     metadata = next(folder.glob("*.dist-info"))
     rows = []
     for package, text in sorted(texts.items()):

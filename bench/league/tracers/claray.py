@@ -4,7 +4,12 @@ import claray
 import numpy as np
 
 PACKAGE = "claray"
-make = claray.Bvh
+
+
+def make(positions, triangles):
+    bvh = claray.Bvh(positions, triangles)
+    bvh.device.finish()  # a build goes on after its call
+    return bvh
 
 
 def closest(bvh, origins, directions, coherent):
