@@ -37,6 +37,7 @@ def as_array(name: str, value: Any) -> NDArray[Any]:
         return value
     if hasattr(value, "__dlpack__"):
         device = value.__dlpack_device__()[0]
+        device = getattr(device, "value", device)  # of an enumeration, as Open3D gives it
         if device not in (1, 3, 13):  # kDLCPU, kDLCUDAHost, kDLCUDAManaged
             raise UsageError(f"{name}: the array is in device memory (DLPack device {device}); copy it to the host")
         if not getattr(value, "requires_grad", False):
