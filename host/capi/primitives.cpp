@@ -14,13 +14,14 @@ namespace {
 PrimitiveKind primitives_of(const claray_primitive_kind& given) {
     const std::string name = &required(given.name, "kind.name");
     if (given.source != nullptr) {
-        if (given.floats == 0) throw Error(ErrorKind::usage, "kind.floats is 0", "give the floats of a primitive");
-        return {name, given.source, given.floats};
+        if (given.floats == 0) refuse("kind.floats is 0", "give the floats of a primitive");
+        return {name, given.source, given.floats, given.capsules != 0};
     }
-    for (const PrimitiveKind& kind : {sphere_kind(), disc_kind(), cylinder_kind()})
+    if (name == "flat curves") return curve_kind(CurveShape::flat);
+    for (const PrimitiveKind& kind : {sphere_kind(), disc_kind(), cylinder_kind(), curve_kind(CurveShape::round)})
         if (kind.name == name) return kind;
-    throw Error(ErrorKind::usage, "kind.name is '" + name + "' without a source",
-                "use spheres, discs or cylinders, or give a source");
+    refuse("kind.name is '" + name + "' without a source",
+           "use spheres, discs, cylinders, curves or flat curves, or give a source");
 }
 
 template <class Answer>
@@ -39,11 +40,58 @@ claray_status answer_rays(const claray_primitives* primitives, const claray_ray*
 
 claray_status claray_primitives_build(claray_device* device, const claray_primitive_kind* kind, const float* data,
                                       size_t count, claray_primitives** primitives) {
+    return claray_primitives_config_build(device, kind, nullptr, data, count, primitives);
+}
+
+claray_status claray_primitives_config_build(claray_device* device, const claray_primitive_kind* kind,
+                                             const claray_bvh_config* config, const float* data, size_t count,
+                                             claray_primitives** primitives) {
     return guarded([&] {
         const Device& on = required(device, "device").device;
         const PrimitiveKind of = primitives_of(versioned(&required(kind, "kind"), "kind"));
         const std::span floats = array(data, of.floats * count, "data");
-        hand_out(primitives, "primitives", [&] { return new claray_primitives{Primitives::build(on, of, floats)}; });
+        hand_out(primitives, "primitives", [&] {
+            return new claray_primitives{Primitives::build(on, of, Buffer<float>(on, floats), std::uint32_t(count),
+                                                           config_of(config, {.builder = Builder::balanced}))};
+        });
+    });
+}
+
+claray_status claray_curve_data(const float* points, size_t point_count, const uint32_t* segments, size_t segment_count,
+                                int bezier, float* data) {
+    return guarded([&] {
+        const std::span controls = array(reinterpret_cast<const glm::vec4*>(points), point_count, "points");
+        const std::vector<float> floats = curve_data(controls, array(segments, segment_count, "segments"),
+                                                     bezier != 0 ? CurveBasis::bezier : CurveBasis::bspline);
+        if (!floats.empty()) std::copy(floats.begin(), floats.end(), &required(data, "data"));
+    });
+}
+
+claray_status claray_primitives_move(claray_primitives* primitives, const float* data, size_t float_count,
+                                     int rebuild) {
+    return guarded([&] {
+        Primitives& moved = required(primitives, "primitives").primitives;
+        Buffer<float> floats = moved.data();
+        if (data || float_count != 0) {
+            if (float_count != floats.size())
+                refuse("float_count is " + std::to_string(float_count) + ", and the data has " +
+                       std::to_string(floats.size()) + " floats");
+            floats.write(array(data, float_count, "data"));
+        }
+        rebuild != 0 ? moved.rebuild() : moved.refit();
+    });
+}
+
+size_t claray_primitives_count(const claray_primitives* primitives) {
+    return primitives ? primitives->primitives.count() : 0;
+}
+void* claray_primitives_buffer(const claray_primitives* primitives) {
+    return primitives ? primitives->primitives.data().memory()() : nullptr;
+}
+claray_status claray_primitives_tree_create(const claray_primitives* primitives, claray_bvh** tree) {
+    return guarded([&] {
+        const Bvh& bvh = required(primitives, "primitives").primitives.bvh();
+        hand_out(tree, "tree", [&] { return new claray_bvh{bvh}; });
     });
 }
 

@@ -393,7 +393,7 @@ static void test_primitives(claray_device* device) {
     const float line[16] = {0, 0, 0, 0.5f, 2, 0, 0, 0.5f, 4, 0, 0, 0.5f, 6, 0, 0, 0.5f};
     const uint32_t first = 0;
     const claray_ray rays[2] = {{{5, 0, 9}, 0, {0, 0, -1}, 20}, {{5, 7, 9}, 0, {0, 0, -1}, 20}};
-    claray_primitive_kind kind = {sizeof kind, "spheres", NULL, 0};
+    claray_primitive_kind kind = {sizeof kind, "spheres", NULL, 0, 0};
     claray_primitives *balls = NULL, *dot = NULL, *hair = NULL, *none = NULL;
     claray_hit hits[2];
     uint8_t occluded[2];

@@ -1,0 +1,118 @@
+// claray.h: textures and environments.
+#include "claray/io.hpp"
+#include "claray/renderer.hpp"
+#include "host/capi/members.hpp"
+#include "host/capi/scene.hpp"
+
+using namespace claray;
+using namespace claray::capi;
+
+namespace {
+
+claray_texture texture_of(const Texture& texture) {
+    auto known = put_into<claray_texture>(texture);
+    const bool floats = texture.format == TexelFormat::float32;
+    known.texels = floats ? static_cast<const void*>(texture.floats.data()) : texture.bytes.data();
+    return known;
+}
+
+}  // namespace
+
+namespace claray::capi {
+
+Texture texture_of(const claray_texture* given, const char* name) {
+    const claray_texture known = versioned(&required(given, name), name);
+    const auto check = [&](std::uint32_t value, std::uint32_t most, const char* member) {
+        if (value == 0 || value > most)
+            refuse(std::string(name) + "." + member + " is " + std::to_string(value),
+                   "use 1 to " + std::to_string(most));
+    };
+    check(known.width, 1u << 14, "width");
+    check(known.height, 1u << 14, "height");
+    check(known.channels, 4, "channels");
+    Texture texture;
+    visit_pairs(known, texture, Take{name});
+    const std::size_t values = std::size_t(known.width) * known.height * known.channels;
+    const std::string texels = std::string(name) + ".texels";
+    if (texture.format == TexelFormat::float32)
+        texture.floats = copied<float>(known.texels, values, texels.c_str());
+    else
+        texture.bytes = copied<std::uint8_t>(known.texels, values, texels.c_str());
+    return texture;
+}
+
+}  // namespace claray::capi
+
+claray_status claray_scene_texture_set(claray_scene* scene, size_t index, const claray_texture* texture) {
+    return guarded([&] {
+        Scene& to = required(scene, "scene").scene;
+        set_element(to.textures, index, texture_of(texture, "texture"), "textures");
+    });
+}
+claray_status claray_scene_texture_get(const claray_scene* scene, size_t index, claray_texture* texture) {
+    return guarded([&] {
+        give(texture, ::texture_of(element(required(scene, "scene").scene.textures, index, "textures")), "texture");
+    });
+}
+
+claray_status claray_image_load(const char* path, claray_texel_format eight_bit, claray_image** image) {
+    return guarded([&] {
+        const TexelFormat bytes = enumerator(eight_bit, "eight_bit");
+        hand_out(image, "image", [&] { return new claray_image{load_image(&required(path, "path"), bytes)}; });
+    });
+}
+claray_status claray_normal_map_create(const claray_texture* heights, float strength, claray_image** image) {
+    return guarded([&] {
+        const Texture given = texture_of(heights, "heights");
+        hand_out(image, "image", [&] { return new claray_image{normal_map_of(given, strength)}; });
+    });
+}
+claray_status claray_panorama_create(const claray_scene* scene, claray_image** image) {
+    return guarded([&] {
+        const Environment& of = required(scene, "scene").scene.environment;
+        if (of.images.empty()) refuse("scene: it has no environment", "set one by claray_scene_environment_set");
+        hand_out(image, "image", [&] { return new claray_image{panorama_of(of)}; });
+    });
+}
+claray_status claray_image_get(const claray_image* image, claray_texture* texture) {
+    return guarded([&] { give(texture, ::texture_of(required(image, "image").texture), "texture"); });
+}
+void claray_image_release(claray_image* image) { delete image; }
+
+claray_status claray_write_texture(const char* path, const claray_texture* texture) {
+    return guarded([&] { write_texture(&required(path, "path"), texture_of(texture, "texture")); });
+}
+
+claray_status claray_scene_environment_set(claray_scene* scene, const claray_environment* environment) {
+    return guarded([&] {
+        Scene& to = required(scene, "scene").scene;
+        const claray_environment given = versioned(&required(environment, "environment"), "environment");
+        Environment known;
+        for (const claray_texture* image : array(given.images, given.image_count, "environment.images"))
+            known.images.push_back(texture_of(image, "environment.images"));
+        if (given.strength != 0) known.strength = given.strength;
+        known.rotation = given.rotation;
+        to.environment = std::move(known);
+    });
+}
+claray_status claray_scene_environment_get(const claray_scene* scene, claray_environment* environment) {
+    return guarded([&] {
+        const Environment& of = required(scene, "scene").scene.environment;
+        give(environment, {sizeof(claray_environment), nullptr, of.images.size(), of.strength, of.rotation},
+             "environment");
+    });
+}
+claray_status claray_scene_environment_image_get(const claray_scene* scene, size_t index, claray_texture* texture) {
+    return guarded([&] {
+        const Environment& of = required(scene, "scene").scene.environment;
+        give(texture, ::texture_of(element(of.images, index, "images")), "texture");
+    });
+}
+claray_status claray_scene_environment_load(claray_scene* scene, const char* path, claray_lines** warnings) {
+    return guarded([&] {
+        Scene& to = required(scene, "scene").scene;
+        Warnings found;
+        to.environment = load_environment(&required(path, "path"), found);
+        if (warnings) *warnings = new claray_lines{{found.begin(), found.end()}};
+    });
+}
