@@ -8,7 +8,7 @@
 #include "host/base/file.hpp"
 #include "host/base/folders.hpp"
 #include "host/base/format.hpp"
-#include "host/base/process.hpp"
+#include "host/base/process/process.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/output/attestation.hpp"

@@ -13,7 +13,7 @@
 #include "claray/program.hpp"
 #include "claray/program/compiling.hpp"
 #include "host/base/message.hpp"
-#include "host/base/process.hpp"
+#include "host/base/process/process.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/output/messages.hpp"
 #include "host/cli/output/progress.hpp"

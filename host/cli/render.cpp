@@ -10,7 +10,7 @@
 #include "claray/scale/render_group.hpp"
 #include "host/base/file.hpp"
 #include "host/base/folders.hpp"
-#include "host/base/process.hpp"
+#include "host/base/process/process.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/options/load.hpp"
 #include "host/cli/options/render_flags.hpp"

@@ -18,7 +18,7 @@
 #include "host/view/script.hpp"
 #include "host/view/terminal.hpp"
 #include "host/view/web/web.hpp"
-#include "host/view/window.hpp"
+#include "host/view/window/window.hpp"
 
 namespace claray::cli {
 namespace {

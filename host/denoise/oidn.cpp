@@ -1,10 +1,9 @@
 #include "host/denoise/oidn.hpp"
 
-#include <dlfcn.h>
-
 #include <cstdlib>
 
 #include "claray/error.hpp"
+#include "host/base/process/plugin.hpp"
 
 namespace claray {
 namespace {
@@ -27,12 +26,6 @@ void* open_library() {
     return nullptr;
 }
 
-template <class Function>
-bool find(void* library, const char* name, Function*& function) {
-    function = reinterpret_cast<Function*>(dlsym(library, name));
-    return function != nullptr;
-}
-
 }  // namespace
 
 struct Oidn::Functions {
@@ -49,12 +42,16 @@ struct Oidn::Functions {
     void (*release_filter)(Handle) = nullptr;
 
     [[nodiscard]] bool found_in(void* library) {
-        return find(library, "oidnNewDevice", new_device) && find(library, "oidnCommitDevice", commit_device) &&
-               find(library, "oidnReleaseDevice", release_device) &&
-               find(library, "oidnGetDeviceError", device_error) && find(library, "oidnNewFilter", new_filter) &&
-               find(library, "oidnSetSharedFilterImage", set_image) && find(library, "oidnSetFilterBool", set_bool) &&
-               find(library, "oidnCommitFilter", commit_filter) && find(library, "oidnExecuteFilter", execute_filter) &&
-               find(library, "oidnReleaseFilter", release_filter);
+        return find_function(library, "oidnNewDevice", new_device) &&
+               find_function(library, "oidnCommitDevice", commit_device) &&
+               find_function(library, "oidnReleaseDevice", release_device) &&
+               find_function(library, "oidnGetDeviceError", device_error) &&
+               find_function(library, "oidnNewFilter", new_filter) &&
+               find_function(library, "oidnSetSharedFilterImage", set_image) &&
+               find_function(library, "oidnSetFilterBool", set_bool) &&
+               find_function(library, "oidnCommitFilter", commit_filter) &&
+               find_function(library, "oidnExecuteFilter", execute_filter) &&
+               find_function(library, "oidnReleaseFilter", release_filter);
     }
     void check(Handle device) const {
         const char* message = nullptr;

@@ -1,26 +1,21 @@
 #include "host/ranks/session.hpp"
 
-#include <algorithm>
-#include <cstdio>
-#include <cstdlib>
-#include <utility>
-
-#include "claray/error.hpp"
-#include "host/base/hash.hpp"
-#include "host/base/seconds_since.hpp"
-
-#if CLARAY_WITH_MPI
-
-#include <mpi.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <bit>
 #include <condition_variable>
+#include <cstdio>
+#include <cstdlib>
 #include <deque>
-#include <list>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
+
+#include "host/base/hash.hpp"
+#include "host/base/seconds_since.hpp"
+#include "host/ranks/mpi/mpi.hpp"
 
 namespace claray::ranks {
 namespace {
@@ -62,10 +57,6 @@ struct Session::State {
         int tag;
         std::shared_ptr<const std::string> bytes;
     };
-    struct Sending {
-        std::shared_ptr<const std::string> bytes;
-        MPI_Request request;
-    };
     struct Peer {
         Clock::time_point heard = Clock::now();
         std::string parts;  // of a message
@@ -95,9 +86,9 @@ struct Session::State {
     int exit_code = 0;
 
     // Of the thread.
+    Mpi& mpi = load_mpi();
     int rank = 0, size = 1;
     std::vector<Peer> peers;
-    std::list<Sending> sending;
     Clock::time_point last_alive = Clock::now(), last_message;
     std::thread thread;
 };
@@ -123,13 +114,10 @@ void Session::State::run() {
 }
 
 void Session::State::start() {
-    int provided = 0;
-    MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
-    MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN);
+    mpi.start();
     std::unique_lock lock(mutex);
     changed.wait(lock, [&] { return !is_alone; });  // else it is too late
-    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-    MPI_Comm_size(MPI_COMM_WORLD, &size);
+    rank = mpi.rank(), size = mpi.size();
     peers.resize(std::size_t(size));
     has_started = true;
     changed.notify_all();
@@ -142,11 +130,7 @@ bool Session::State::send_all() {
         std::swap(messages, outgoing);
     }
     for (const Outgoing& message : messages) send_parts(message);
-    for (auto it = sending.begin(); it != sending.end();) {
-        int done = 0;
-        if (MPI_Test(&it->request, &done, MPI_STATUS_IGNORE) != MPI_SUCCESS) done = 1;
-        it = done ? sending.erase(it) : std::next(it);
-    }
+    mpi.forget_sent();
     return !messages.empty();
 }
 
@@ -156,26 +140,17 @@ void Session::State::send_parts(const Outgoing& message) {
         const std::size_t bytes = std::min(largest_part, message.bytes->size() - at);
         const int more = at + bytes < message.bytes->size() ? more_parts : 0;
         if (is_lost(message.to)) return;
-        sending.push_back({message.bytes, MPI_REQUEST_NULL});
-        if (MPI_Isend(message.bytes->data() + at, int(bytes), MPI_BYTE, message.to, message.tag | more, MPI_COMM_WORLD,
-                      &sending.back().request) != MPI_SUCCESS) {
-            sending.pop_back();
-            return lose(message.to);
-        }
+        if (!mpi.send(message.to, message.tag | more, message.bytes, at, bytes)) return lose(message.to);
         at += bytes;
     } while (at < message.bytes->size());
 }
 
 bool Session::State::receive_one() {
-    int there = 0;
-    MPI_Status status;
-    if (MPI_Iprobe(MPI_ANY_SOURCE, MPI_ANY_TAG, MPI_COMM_WORLD, &there, &status) != MPI_SUCCESS || there == 0)
-        return false;
-    int bytes = 0;
-    MPI_Get_count(&status, MPI_BYTE, &bytes);
-    std::string part(std::size_t(bytes), '\0');
-    const int from = status.MPI_SOURCE, tag = status.MPI_TAG;
-    if (MPI_Recv(part.data(), bytes, MPI_BYTE, from, tag, MPI_COMM_WORLD, MPI_STATUS_IGNORE) != MPI_SUCCESS) {
+    const std::optional<Mpi::Arrival> arrival = mpi.arrival();
+    if (!arrival) return false;
+    const auto [from, tag, bytes] = *arrival;
+    std::string part(bytes, '\0');
+    if (!mpi.receive(*arrival, part.data())) {
         lose(from);
         return true;
     }
@@ -200,9 +175,7 @@ void Session::State::pass_on(int tag, const std::string& part) {
     int step = 1;
     while (step <= rank) step *= 2;
     for (; rank + step < size; step *= 2) {
-        sending.push_back({shared, MPI_REQUEST_NULL});
-        MPI_Isend(shared->data(), int(shared->size()), MPI_BYTE, rank + step, tag, MPI_COMM_WORLD,
-                  &sending.back().request);
+        (void)mpi.send(rank + step, tag, shared, 0, shared->size());
     }
 }
 
@@ -239,15 +212,15 @@ void Session::State::lose(int other) {
     deliver({other, MessageKind::failure, {}});
 }
 
-/// MPI_Finalize waits for all ranks, so it is called only while none is lost.
+/// Mpi::end waits for all ranks, so it is called only while none is lost.
 void Session::State::finish() {
     const Clock::time_point begin = Clock::now();
-    while (!sending.empty() && seconds_since(begin) < 2) {
+    while (!mpi.all_sent() && seconds_since(begin) < 2) {
         (void)send_all();
         (void)receive_one();
         std::this_thread::sleep_for(between_looks);
     }
-    if (!any_lost) MPI_Finalize();
+    if (!any_lost) mpi.end();
 }
 
 Session::Session() : state_(std::make_unique<State>()) {
@@ -316,29 +289,6 @@ void Session::end(int exit_code) {
 }
 
 }  // namespace claray::ranks
-
-#else
-
-namespace claray::ranks {
-
-struct Session::State {};
-
-Session::Session() {
-    throw Error(ErrorKind::user, "this claray was built without MPI",
-                "install libopenmpi-dev and build it again, or start it without mpirun");
-}
-Session::~Session() = default;
-int Session::rank() const { return 0; }
-int Session::size() const { return 1; }
-void Session::send(int, MessageKind, std::string) {}
-void Session::broadcast(MessageKind, std::string) {}
-void Session::handle(std::function<void(const Message&)>) {}
-std::optional<Message> Session::receive(std::chrono::milliseconds) { return std::nullopt; }
-void Session::end(int) {}
-
-}  // namespace claray::ranks
-
-#endif
 
 namespace claray::ranks {
 namespace {

@@ -43,7 +43,7 @@ struct Message {
 class Session {
 public:
     /// If MPI does not start in time, as where a rank has died, rank 0 goes on alone, and the others end with 1.
-    /// Throws ErrorKind::user if this program was built without MPI.
+    /// Throws ErrorKind::user without MPI.
     Session();
     /// Ends as `end(0)`.
     ~Session();

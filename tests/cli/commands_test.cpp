@@ -77,6 +77,22 @@ TEST(Commands, BadCommandLines) {
     EXPECT_TRUE(failed_with(run_claray({"render", "-o", "x.png"}), 2, "scene"));
 }
 
+/// Windows, the web page and MPI bring some sixty libraries, which only the commands load that need them.
+TEST(Commands, LoadsFewLibraries) {
+    const ProcessResult result = run_process({CLARAY_PROGRAM, "devices"}, {{"LD_TRACE_LOADED_OBJECTS", "1"}});
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    EXPECT_NE(result.output.find("libOpenCL.so"), std::string::npos) << result.output;
+    EXPECT_LE(std::count(result.output.begin(), result.output.end(), '\n'), 20) << result.output;
+}
+
+TEST(Commands, ViewWithoutItsServer) {
+    const TemporaryFolder folder;
+    const std::filesystem::path alone = folder / "claray";
+    std::filesystem::copy_file(CLARAY_PROGRAM, alone);
+    const ProcessResult result = run_process({alone.string(), "view", "cornell", "--port", "0", "--size", "16x16"});
+    EXPECT_TRUE(failed_with(result, 1, "the web page cannot be served: claray-http.so"));
+}
+
 TEST(Commands, NoOpenClPlatformAtAll) {
     const Variables nothing = {{"OCL_ICD_VENDORS", "/nonexistent"}, {"OCL_ICD_FILENAMES", ""}};
     const TemporaryFolder folder;

@@ -1,5 +1,5 @@
 // Which requests the web page of the view answers.
-#include "host/view/web/request_rules.hpp"
+#include "host/view/http/request_rules.hpp"
 
 #include <gtest/gtest.h>
 #include <httplib.h>

@@ -1,5 +1,5 @@
 // The view in a window, on a video driver of SDL that needs no display.
-#include "host/view/window.hpp"
+#include "host/view/window/window.hpp"
 
 #include <gtest/gtest.h>
 

@@ -10,7 +10,7 @@
 #include <mutex>
 #include <vector>
 
-#include "host/base/environment.hpp"
+#include "host/base/process/environment.hpp"
 #include "host/compute/drivers/icd.hpp"
 #include "host/compute/drivers/pocl_folder.hpp"
 

@@ -16,10 +16,10 @@
 
 #include "claray/error.hpp"
 #include "claray/opencl.hpp"
-#include "host/base/environment.hpp"
 #include "host/base/file.hpp"
 #include "host/base/folders.hpp"
 #include "host/base/hash.hpp"
+#include "host/base/process/environment.hpp"
 
 namespace claray {
 namespace {

@@ -11,8 +11,8 @@
 #include <string>
 
 #include "claray/error.hpp"
-#include "host/base/environment.hpp"
 #include "host/base/folders.hpp"
+#include "host/base/process/environment.hpp"
 
 namespace claray {
 namespace {

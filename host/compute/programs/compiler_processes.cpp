@@ -15,7 +15,7 @@
 #include <utility>
 
 #include "host/base/in_parallel.hpp"
-#include "host/base/process.hpp"
+#include "host/base/process/process.hpp"
 #include "host/compute/programs/compile_program.hpp"
 
 namespace claray {

@@ -15,7 +15,7 @@
 #include <thread>
 
 #include "host/base/folders.hpp"
-#include "host/base/process.hpp"
+#include "host/base/process/process.hpp"
 
 namespace claray {
 namespace {

@@ -7,11 +7,10 @@
 #include <mutex>
 #include <string>
 
+#include "host/view/http/http.hpp"
 #include "host/view/view_command.hpp"
 
 namespace claray::view {
-
-using Bytes = std::shared_ptr<const std::string>;
 
 /// Frames and answers on their way out, commands on their way in. All functions may be called by any thread.
 class Exchange {

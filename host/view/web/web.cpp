@@ -7,11 +7,10 @@
 
 #include "host/base/format.hpp"
 #include "host/io/image/stb_image_write.hpp"
+#include "host/view/http/http.hpp"
 #include "host/view/input.hpp"
 #include "host/view/web/exchange.hpp"
-#include "host/view/web/limited_server.hpp"
 #include "host/view/web/page.hpp"
-#include "host/view/web/request_rules.hpp"
 
 namespace claray::view {
 namespace {
@@ -35,83 +34,64 @@ std::string page() {
     return text;
 }
 
-void send(httplib::Response& response, const Bytes& bytes, const char* type) {
-    response.set_content_provider(bytes->size(), type,
-                                  [bytes](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
-                                      return sink.write(bytes->data() + offset, length);
-                                  });
+HttpAnswer text(int status, const std::string& line) {
+    return {.status = status, .content = std::make_shared<const std::string>(line + "\n")};
 }
 
 /// The page asks for the frame after the last that it has; no answer has content if none comes soon.
-void answer_frame(Exchange& exchange, const httplib::Request& request, httplib::Response& response) {
-    const std::string after = request.get_param_value("after");
+HttpAnswer frame(Exchange& exchange, const HttpRequest& request) {
     std::uint64_t seen = 0;
-    (void)std::from_chars(after.data(), after.data() + after.size(), seen);
+    if (const auto after = request.parameters.find("after"); after != request.parameters.end())
+        (void)std::from_chars(after->second.data(), after->second.data() + after->second.size(), seen);
     const Bytes jpeg = exchange.next_frame(seen);
-    response.set_header("Frame-Number", std::to_string(seen));
-    if (!jpeg)
-        response.status = 204;
-    else
-        send(response, jpeg, "image/jpeg");
+    return {.status = jpeg ? 200 : 204,
+            .type = "image/jpeg",
+            .content = jpeg,
+            .headers = {{"Frame-Number", std::to_string(seen)}}};
 }
 
 /// A sequence of JPEG images, each of which replaces the one before (multipart/x-mixed-replace). Chromium shows an
 /// image when the headers of the next one arrive, so that these follow it at once. They state no length, which is not
 /// known.
-void stream(Exchange& exchange, httplib::Response& response) {
+HttpAnswer stream(Exchange& exchange) {
     static const std::string begin = "--frame\r\nContent-Type: image/jpeg\r\n\r\n";
-    const auto send = [&exchange, stream = exchange.open_stream(), seen = std::uint64_t(0)](
-                          std::size_t, httplib::DataSink& sink) mutable {
+    const auto send = [&exchange, stream = exchange.open_stream(), seen = std::uint64_t(0)](HttpSink& sink) mutable {
         const bool first = seen == 0;
         const Bytes jpeg = exchange.next_frame(seen);
         if (!exchange.is_open(stream) || !sink.is_writable()) return false;
         if (!jpeg) return true;
-        const std::string end = "\r\n" + begin;
-        return (!first || sink.write(begin.data(), begin.size())) && sink.write(jpeg->data(), jpeg->size()) &&
-               sink.write(end.data(), end.size());
+        return (!first || sink.write(begin)) && sink.write(*jpeg) && sink.write("\r\n" + begin);
     };
-    response.set_content_provider("multipart/x-mixed-replace; boundary=frame", send);
+    return {.type = "multipart/x-mixed-replace; boundary=frame", .stream = send};
 }
 
-void answer_with(httplib::Response& response, int status, const std::string& why) {
-    response.status = status;
-    response.set_content(why + "\n", "text/plain");
-}
-
-void answer_command(Exchange& exchange, const httplib::Request& request, httplib::Response& response) {
+HttpAnswer command(Exchange& exchange, const HttpRequest& request) {
     try {
         ViewCommand command = parse_command(request.body);
-        if (command.name == "save")
-            return answer_with(response, 403, "save: the page cannot write files; use picture.png");
-        if (!exchange.add(std::move(command)))
-            answer_with(response, 503, "too many commands are waiting; wait a moment");
+        if (command.name == "save") return text(403, "save: the page cannot write files; use picture.png");
+        if (!exchange.add(std::move(command))) return text(503, "too many commands are waiting; wait a moment");
+        return {};
     } catch (const Error& error) {
-        answer_with(response, 400, error.what());
+        return text(400, error.what());
     }
 }
 
-void answer_picture(Exchange& exchange, httplib::Response& response) {
+HttpAnswer picture(Exchange& exchange) {
     const Bytes png = exchange.picture();
-    if (!png) return answer_with(response, 503, "the picture takes too long; ask again");
-    send(response, png, "image/png");
+    return png ? HttpAnswer{.type = "image/png", .content = png} : text(503, "the picture takes too long; ask again");
 }
 
-void add_routes(httplib::Server& server, Exchange& exchange) {
-    server.Get("/", [text = page()](const httplib::Request&, httplib::Response& response) {
-        response.set_content(text, "text/html");
+void add_routes(HttpServer& server, Exchange& exchange) {
+    server.get("/", [text = std::make_shared<const std::string>(page())](const HttpRequest&) {
+        return HttpAnswer{.type = "text/html", .content = text};
     });
-    server.Get("/frame", [&](const httplib::Request& request, httplib::Response& response) {
-        answer_frame(exchange, request, response);
+    server.get("/frame", [&](const HttpRequest& request) { return frame(exchange, request); });
+    server.get("/stream", [&](const HttpRequest&) { return stream(exchange); });
+    server.get("/status", [&](const HttpRequest&) {
+        return HttpAnswer{.content = std::make_shared<const std::string>(exchange.status())};
     });
-    server.Get("/stream", [&](const httplib::Request&, httplib::Response& response) { stream(exchange, response); });
-    server.Get("/status", [&](const httplib::Request&, httplib::Response& response) {
-        response.set_content(exchange.status(), "text/plain");
-    });
-    server.Get("/picture.png",
-               [&](const httplib::Request&, httplib::Response& response) { answer_picture(exchange, response); });
-    server.Post("/command", [&](const httplib::Request& request, httplib::Response& response) {
-        answer_command(exchange, request, response);
-    });
+    server.get("/picture.png", [&](const HttpRequest&) { return picture(exchange); });
+    server.post("/command", [&](const HttpRequest& request) { return command(exchange, request); });
 }
 
 /// The last line that a command told. An error is forgotten when a command succeeds.
@@ -155,8 +135,8 @@ void render_loop(View& view, Exchange& exchange, const WebConfig& config) {
 /// The thread that accepts connections. It ends with this object.
 class Listening {
 public:
-    Listening(httplib::Server& server, Exchange& exchange)
-        : server_(server), exchange_(exchange), thread_([this] { server_.listen_after_bind(), ended_ = true; }) {}
+    Listening(HttpServer& server, Exchange& exchange)
+        : server_(server), exchange_(exchange), thread_([this] { server_.listen(), ended_ = true; }) {}
     ~Listening() {
         exchange_.end();
         // A server that does not run yet would not stop.
@@ -168,30 +148,25 @@ public:
     Listening& operator=(const Listening&) = delete;
 
 private:
-    httplib::Server& server_;
+    HttpServer& server_;
     Exchange& exchange_;
     std::atomic<bool> ended_ = false;
     std::thread thread_;
 };
 
-int bound_port(httplib::Server& server, const WebConfig& config) {
-    if (config.port == 0) return server.bind_to_any_port(config.host);
-    return server.bind_to_port(config.host, config.port) ? config.port : -1;
-}
-
 }  // namespace
 
 void serve(View& view, const WebConfig& config) {
-    LimitedServer server(config.host);
+    const std::unique_ptr<HttpServer> server = make_http_server(config.host);
     Exchange exchange;
-    add_routes(server, exchange);
-    const int port = bound_port(server, config);
-    const std::string name = url_host(config.host);
+    add_routes(*server, exchange);
+    const int port = server->bind(config.port);
+    const std::string name = server->url_host();
     if (port < 0)
         throw Error(ErrorKind::user, "cannot listen at " + name + ":" + std::to_string(config.port),
                     "the port may be in use; choose another, or 0 for any");
     publish(exchange, view.frame(), {});
-    const Listening listening(server, exchange);
+    const Listening listening(*server, exchange);
     if (config.ready) config.ready("http://" + name + ":" + std::to_string(port) + "/");
     render_loop(view, exchange, config);
 }

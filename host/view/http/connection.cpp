@@ -1,4 +1,4 @@
-#include "host/view/web/connection.hpp"
+#include "host/view/http/connection.hpp"
 
 #include <poll.h>
 #include <sys/socket.h>

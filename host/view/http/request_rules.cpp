@@ -1,4 +1,4 @@
-#include "host/view/web/request_rules.hpp"
+#include "host/view/http/request_rules.hpp"
 
 #include <httplib.h>
 

@@ -1,7 +1,7 @@
-#include "host/view/web/limited_server.hpp"
+#include "host/view/http/limited_server.hpp"
 
-#include "host/view/web/connection.hpp"
-#include "host/view/web/request_rules.hpp"
+#include "host/view/http/connection.hpp"
+#include "host/view/http/request_rules.hpp"
 
 namespace claray::view {
 namespace {

@@ -1,16 +1,16 @@
-#include "host/view/window.hpp"
+#include "host/view/window/window.hpp"
 
 #include "claray/error.hpp"
 
 #if CLARAY_WITH_WINDOW
-#define SDL_MAIN_HANDLED
-#include <SDL.h>
-
+#include <cctype>
 #include <cstdlib>
+#include <cstring>
 #include <memory>
 
 #include "host/base/format.hpp"
 #include "host/view/input.hpp"
+#include "host/view/window/sdl.hpp"
 
 namespace claray::view {
 namespace {
@@ -28,31 +28,31 @@ constexpr int idle_milliseconds = 50;
 /// Asked before SDL, whose libraries print lines of their own where there is none.
 bool names_a_display() {
     const auto is_set = [](const char* name) { return std::getenv(name) != nullptr; };
-    return SDL_strcmp(SDL_GetPlatform(), "Linux") != 0 || is_set("DISPLAY") || is_set("WAYLAND_DISPLAY") ||
+    return std::strcmp(sdl().GetPlatform(), "Linux") != 0 || is_set("DISPLAY") || is_set("WAYLAND_DISPLAY") ||
            is_set("SDL_VIDEODRIVER");
 }
 
 /// SDL draws into memory if no display can be used.
 bool shows_nothing() {
-    const char* driver = SDL_GetCurrentVideoDriver();
-    return std::getenv("SDL_VIDEODRIVER") == nullptr && driver != nullptr && SDL_strcmp(driver, "offscreen") == 0;
+    const char* driver = sdl().GetCurrentVideoDriver();
+    return std::getenv("SDL_VIDEODRIVER") == nullptr && driver != nullptr && std::strcmp(driver, "offscreen") == 0;
 }
 
 class Video {
 public:
     Video() {
-        SDL_SetMainReady();
-        SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // Ctrl-C belongs to the program
-        if (!names_a_display() || SDL_Init(SDL_INIT_VIDEO) != 0) refuse_without_display();
-        if (shows_nothing()) SDL_Quit(), refuse_without_display();
+        sdl().SetMainReady();
+        sdl().SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // Ctrl-C belongs to the program
+        if (!names_a_display() || sdl().Init(SDL_INIT_VIDEO) != 0) refuse_without_display();
+        if (shows_nothing()) sdl().Quit(), refuse_without_display();
     }
-    ~Video() { SDL_Quit(); }
+    ~Video() { sdl().Quit(); }
     Video(const Video&) = delete;
     Video& operator=(const Video&) = delete;
 };
 
-using WindowHandle = std::unique_ptr<SDL_Window, decltype(&SDL_DestroyWindow)>;
-using SurfaceHandle = std::unique_ptr<SDL_Surface, decltype(&SDL_FreeSurface)>;
+using WindowHandle = std::unique_ptr<SDL_Window, decltype(Sdl::DestroyWindow)>;
+using SurfaceHandle = std::unique_ptr<SDL_Surface, decltype(Sdl::FreeSurface)>;
 
 std::string key_of(const SDL_Keysym& key) {
     switch (key.sym) {
@@ -68,17 +68,17 @@ class Window {
 public:
     explicit Window(View& view) : view_(view) {
         const Frame& frame = view_.next_frame();
-        window_.reset(SDL_CreateWindow("claray view", SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED,
-                                       int(frame.width), int(frame.height), SDL_WINDOW_RESIZABLE));
-        if (!window_) refuse(std::string("no window can be made: ") + SDL_GetError(), "leave --window out");
+        window_.reset(sdl().CreateWindow("claray view", SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED,
+                                         int(frame.width), int(frame.height), SDL_WINDOW_RESIZABLE));
+        if (!window_) refuse(std::string("no window can be made: ") + sdl().GetError(), "leave --window out");
         show(frame);
     }
 
     void run(const std::function<bool()>& goes_on) {
         while (!view_.ended() && goes_on()) {
-            if (complete_) SDL_WaitEventTimeout(nullptr, idle_milliseconds);
+            if (complete_) sdl().WaitEventTimeout(nullptr, idle_milliseconds);
             changed_ = false;
-            for (SDL_Event event; SDL_PollEvent(&event) != 0;) take(event);
+            for (SDL_Event event; sdl().PollEvent(&event) != 0;) take(event);
             end_drag();
             if (complete_ && !changed_) continue;
             show(view_.next_frame());
@@ -88,14 +88,14 @@ public:
 private:
     void tell(const std::string& line) {
         told_ = answer(view_, line).line;
-        if (line == "camera") SDL_SetClipboardText(told_.c_str());
+        if (line == "camera") sdl().SetClipboardText(told_.c_str());
         changed_ = true;
     }
 
     /// Motions of one drag between two frames are one command.
     void end_drag() {
         if (drag_x_ == 0 && drag_y_ == 0) return;
-        const auto held = [](int keys) { return (SDL_GetModState() & keys) != 0; };
+        const auto held = [](int keys) { return (sdl().GetModState() & keys) != 0; };
         if (held(KMOD_CTRL))
             tell(printed("drag %g %g", drag_x_ / height_, -drag_y_ / height_));
         else if (held(KMOD_SHIFT))
@@ -122,7 +122,7 @@ private:
     }
 
     void press(std::string key) {
-        if (key.size() == 1) key[0] = char(SDL_tolower(key[0]));
+        if (key.size() == 1) key[0] = char(std::tolower(static_cast<unsigned char>(key[0])));
         if (const std::string command = command_of_key(key); !command.empty()) tell(command);
     }
 
@@ -135,21 +135,21 @@ private:
 
     void show(const Frame& frame) {
         complete_ = frame.complete, height_ = frame.height;
-        SDL_SetWindowTitle(window_.get(), (printed("claray view: %u spp ", frame.spp) + told_).c_str());
-        SDL_Surface* surface = SDL_GetWindowSurface(window_.get());
+        sdl().SetWindowTitle(window_.get(), (printed("claray view: %u spp ", frame.spp) + told_).c_str());
+        SDL_Surface* surface = sdl().GetWindowSurface(window_.get());
         if (surface == nullptr || surface->w < 1 || surface->h < 1) return;  // minimized
         const SurfaceHandle picture(
-            SDL_CreateRGBSurfaceWithFormatFrom(const_cast<std::uint8_t*>(frame.pixels.data()), int(frame.width),
-                                               int(frame.height), 32, int(4 * frame.width), SDL_PIXELFORMAT_RGBA32),
-            SDL_FreeSurface);
+            sdl().CreateRGBSurfaceWithFormatFrom(const_cast<std::uint8_t*>(frame.pixels.data()), int(frame.width),
+                                                 int(frame.height), 32, int(4 * frame.width), SDL_PIXELFORMAT_RGBA32),
+            sdl().FreeSurface);
         if (!picture) refuse("a frame cannot be shown", "use a smaller --size");
-        SDL_SetSurfaceBlendMode(picture.get(), SDL_BLENDMODE_NONE);
-        SDL_BlitScaled(picture.get(), nullptr, surface, nullptr);
-        SDL_UpdateWindowSurface(window_.get());
+        sdl().SetSurfaceBlendMode(picture.get(), SDL_BLENDMODE_NONE);
+        sdl().UpperBlitScaled(picture.get(), nullptr, surface, nullptr);
+        sdl().UpdateWindowSurface(window_.get());
     }
 
     View& view_;
-    WindowHandle window_{nullptr, SDL_DestroyWindow};
+    WindowHandle window_{nullptr, sdl().DestroyWindow};
     std::string told_;
     double drag_x_ = 0, drag_y_ = 0, height_ = 1;  // pixels
     int moved_ = 0;                                // pixels since the button was pressed

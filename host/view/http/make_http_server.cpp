@@ -1,0 +1,13 @@
+#include "host/base/process/plugin.hpp"
+#include "host/view/http/http.hpp"
+
+namespace claray::view {
+
+std::unique_ptr<HttpServer> make_http_server(const std::string& host) {
+    auto* const make = plugin_function<HttpServer*(const char*)>(
+        "claray-http.so", "claray_http_server",
+        "the web page cannot be served: ", "install claray with claray-http.so");
+    return std::unique_ptr<HttpServer>(make(host.c_str()));
+}
+
+}  // namespace claray::view
