@@ -10,18 +10,24 @@ hits["t"], hits["primitive"]
 from . import _loader, _native, errors  # the loader first: it finds what the extension module needs
 from ._accuracy import Study, accuracy, studies
 from ._arrays import HIT, INSTANCE_HIT, MISS, NEAREST, RAY
+from ._bake import bake_light_map, render_probe
 from ._bvh import Bvh
 from ._device import Device, Event, default_device, devices
+from ._explain import explain
 from ._filter import Filter, geometry_range
-from ._image import Image
+from ._image import Image, false_color, identifier_color, image_error
 from ._instances import InstancedBvh
 from ._levels import FlatInstances, Instances, flatten
 from ._lists import Lists, all_hits, box_overlaps, count_hits, nearest_hits, sphere_overlaps
+from ._options import BvhOptions, LightGridOptions, LightMapOptions, RenderOptions, RenderProgress, RenderStatistics
 from ._points import inside, nearest_point, signed_distance
 from ._primitives import Primitives
 from ._query import Query, Rays, any_hit, closest_hit, rays, unoccluded
-from ._render import Renderer, prepare, render, tell_compiling
-from ._scene import Camera, Light, Material, Scene, builtin_scenes, load
+from ._records import Camera, Light, Material, add_bsdf
+from ._render import Renderer, approximation_error, compile_kernels, prepare, render, tell_compiling
+from ._scene import LoadOptions, Scene, animation_seconds, builtin_scenes, load
+from ._textures import Environment, Texture
+from ._values import GBUFFER, GBuffer, ImageError, TextureUse
 from ._verify import verify, verify_cases
 from .errors import DeviceError, Error, InputError, UsageError
 
@@ -29,10 +35,14 @@ del _loader
 __version__: str = _native.version
 
 __all__ = [
-    "HIT", "INSTANCE_HIT", "MISS", "NEAREST", "RAY", "Bvh", "Camera", "Device", "DeviceError", "Error", "Event", "Filter",
-    "FlatInstances", "Image", "InputError", "InstancedBvh", "Instances", "Light", "Lists", "Material", "Primitives",
-    "Query", "Rays", "Renderer", "Scene", "Study", "UsageError", "accuracy", "all_hits", "any_hit", "box_overlaps",
-    "builtin_scenes", "closest_hit", "count_hits", "default_device", "devices", "errors", "flatten", "geometry_range",
-    "inside", "load", "nearest_hits", "nearest_point", "prepare", "rays", "render", "signed_distance", "sphere_overlaps",
-    "studies", "tell_compiling", "unoccluded", "verify", "verify_cases",
+    "GBUFFER", "HIT", "INSTANCE_HIT", "MISS", "NEAREST", "RAY", "Bvh", "BvhOptions", "Camera", "Device", "DeviceError",
+    "Environment", "Error", "Event", "Filter", "FlatInstances", "GBuffer", "Image", "ImageError", "InputError",
+    "InstancedBvh", "Instances", "Light", "LightGridOptions", "LightMapOptions", "Lists", "LoadOptions", "Material",
+    "Primitives", "Query", "Rays", "RenderOptions", "RenderProgress", "RenderStatistics", "Renderer", "Scene", "Study",
+    "Texture", "TextureUse", "UsageError", "accuracy", "add_bsdf", "all_hits", "animation_seconds", "any_hit",
+    "approximation_error", "bake_light_map", "box_overlaps", "builtin_scenes", "closest_hit", "compile_kernels",
+    "count_hits", "default_device", "devices", "errors", "explain", "false_color", "flatten", "geometry_range",
+    "identifier_color", "image_error", "inside", "load", "nearest_hits", "nearest_point", "prepare", "rays", "render",
+    "render_probe", "signed_distance", "sphere_overlaps", "studies", "tell_compiling", "unoccluded", "verify",
+    "verify_cases",
 ]

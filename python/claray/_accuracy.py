@@ -7,7 +7,7 @@ from typing import Any, Callable
 from . import _native
 from ._device import AnyDevice, device_of
 from ._handle import Handle
-from ._render import config_of
+from ._options import config_of
 from ._scene import Scene
 from .errors import UsageError
 

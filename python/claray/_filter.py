@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -25,8 +27,7 @@ class Filter(Handle):
     A text that does not compile raises DeviceError, with the compiler's log, at the first query.
     """
 
-    __slots__ = ("_name", "_native")
-    _instead_of_pickling = "make it in each process, by its text"
+    __slots__ = ("_given", "_native")
 
     def __init__(self, source: str, data: ArrayLike = (), name: str = "filter") -> None:
         if not isinstance(source, str) or not source.strip():
@@ -34,12 +35,15 @@ class Filter(Handle):
         numbers = as_array("data", data)
         if numbers.dtype.kind not in "fiu" or numbers.ndim != 1:
             raise UsageError(f"data: has dtype {numbers.dtype} and shape {numbers.shape}; use numbers of shape (n,)")
-        self._name = str(name)
-        self._native = _native.NativeFilter(self._name, source, np.ascontiguousarray(numbers, np.float32))
+        self._given = source, np.array(numbers, np.float32), str(name)
+        self._native = _native.NativeFilter(self.name, *self._given[:2])
 
     @property
     def name(self) -> str:
-        return self._name
+        return self._given[2]
+
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        return Filter, self._given
 
     def __repr__(self) -> str:
         return f"<claray.Filter {self.name!r}>"

@@ -5,37 +5,121 @@ from __future__ import annotations
 import os
 import struct
 import zlib
-from typing import Any
+from typing import Any, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from . import _native
+from ._arrays import as_array
+from ._options import ToneMap
+from ._values import ImageError
+from .errors import UsageError
+
+_CHANNELS = {"depth": "Z", "normal": "XYZ"}
 
 
 class Image(np.ndarray):
-    """Linear radiance, float32 of shape (height, width, 3), rows from the top: an array that notebooks show."""
+    """Linear radiance, float32 of shape (height, width, 3), rows from the top: an array that notebooks show.
+
+    exposure: in stops, and tone_map: "aces" or "none", of its pictures. Copies and pickled images keep both.
+    """
 
     __slots__ = ("exposure", "tone_map")
+    exposure: float
+    tone_map: ToneMap
 
     def __array_finalize__(self, source: Any) -> None:
         self.exposure = getattr(source, "exposure", 0.0)
         self.tone_map = getattr(source, "tone_map", "aces")
 
-    def to_bytes(self, exposure: float | None = None, tone_map: str | None = None) -> NDArray[np.uint8]:
+    def __reduce__(self) -> Any:
+        make, arguments, state = super().__reduce__()  # type: ignore[misc]
+        return make, arguments, (state, self.exposure, self.tone_map)
+
+    def __setstate__(self, state: Any) -> None:
+        array, self.exposure, self.tone_map = state
+        super().__setstate__(array)
+
+    def to_bytes(self, exposure: float | None = None, tone_map: ToneMap | None = None) -> NDArray[np.uint8]:
         """The picture as uint8 of the same shape: exposure in stops, tone map "aces" or "none", sRGB."""
         return _native.to_bytes(np.ascontiguousarray(self, np.float32).view(np.ndarray),
                                 self.exposure if exposure is None else exposure, tone_map or self.tone_map)
 
-    def save(self, path: str | os.PathLike[str], exposure: float | None = None, tone_map: str | None = None) -> None:
-        """Writes .png (tone mapped), .hdr, .pfm or .exr (linear) by the extension."""
-        _native.save_image(os.fspath(path), np.ascontiguousarray(self, np.float32).view(np.ndarray),
-                           self.exposure if exposure is None else exposure, tone_map or self.tone_map)
+    def save(self, path: str | os.PathLike[str], exposure: float | None = None, tone_map: ToneMap | None = None, *,
+             layers: Mapping[str, ArrayLike] | None = None) -> None:
+        """Writes .png (tone mapped), .hdr, .pfm or .exr (linear) by the extension.
+
+        layers: of an EXR, by their names, such as Renderer.aovs(): (height, width) or (height, width, 3) floats or integers. Raises
+        InputError if the file cannot be written.
+        """
+        name = os.fspath(path)
+        if layers is None:
+            _native.save_image(name, pixels_of("image", self), self.exposure if exposure is None else exposure, tone_map or self.tone_map)
+            return
+        if not name.lower().endswith(".exr"):
+            raise UsageError(f"layers: {name} cannot hold layers; use a file .exr")
+        height, width, _ = self.shape
+        given = [_layer(layer, array, (height, width)) for layer, array in {"": self, **layers}.items()]
+        _native.save_exr(name, width, height, [one for one in given if one[2].dtype == np.float32],
+                         [one for one in given if one[2].dtype == np.uint32])
 
     def _repr_png_(self) -> bytes | None:
         if self.ndim != 3 or self.shape[2] != 3 or self.size == 0:
             return None  # such as one channel of the image
         return png_of(self.to_bytes())
+
+
+def _layer(name: str, value: Any, size: tuple[int, int]) -> tuple[str, str, NDArray[Any]]:
+    """Name, letters of the channels, and pixels (height, width, channels) as float32 or uint32."""
+    array = as_array(f"layers[{name!r}]", value)
+    if array.ndim == 2:
+        array = array[..., None]
+    if array.dtype.kind not in "fiub" or array.shape not in ((*size, 1), (*size, 3)):
+        raise UsageError(f"layers[{name!r}]: has dtype {array.dtype} and shape {array.shape}; use numbers of shape {size} or {(*size, 3)}")
+    letters = _CHANNELS.get(name, "RGB" if array.shape[2] == 3 else "X" if array.dtype.kind in "iub" else "Y")
+    kind = np.float32 if array.dtype.kind == "f" else np.uint32
+    return name, letters, np.ascontiguousarray(array, kind).view(np.ndarray)
+
+
+def pixels_of(name: str, value: Any) -> NDArray[np.float32]:
+    """Contiguous float32 of shape (height, width, 3)."""
+    array = as_array(name, value)
+    if array.dtype.kind not in "fiu" or array.ndim != 3 or array.shape[2] != 3 or array.size == 0:
+        raise UsageError(f"{name}: has dtype {array.dtype} and shape {array.shape}; use numbers of shape (height, width, 3)")
+    return np.ascontiguousarray(array, np.float32).view(np.ndarray)
+
+
+def _map_of(name: str, value: Any, kind: Any) -> NDArray[Any]:
+    array = as_array(name, value)
+    if array.dtype.kind not in "fiub" or array.ndim != 2 or array.size == 0:
+        raise UsageError(f"{name}: has dtype {array.dtype} and shape {array.shape}; use numbers of shape (height, width)")
+    return np.ascontiguousarray(array, kind).view(np.ndarray)
+
+
+def image_error(image: ArrayLike, reference: ArrayLike) -> ImageError:
+    """The difference between two images of linear radiance, (height, width, 3) each."""
+    first, second = pixels_of("image", image), pixels_of("reference", reference)
+    if first.shape != second.shape:
+        raise UsageError(f"reference: has shape {second.shape}, but image has {first.shape}")
+    return ImageError(*_native.image_error(first, second))
+
+
+def false_color(values: ArrayLike) -> Image:
+    """One value per pixel, (height, width), as perceptually uniform colours (Turbo), from the least to the largest finite value;
+    other values are black."""
+    return _shown(_native.false_color(_map_of("values", values, np.float32)))
+
+
+def identifier_color(identifiers: ArrayLike) -> Image:
+    """Whole numbers, (height, width), as colours; consecutive ones get very different hues. MISS is black."""
+    return _shown(_native.identifier_color(_map_of("identifiers", identifiers, np.uint32)))
+
+
+def _shown(pixels: NDArray[np.float32]) -> Image:
+    image = pixels.view(Image)
+    image.tone_map = "none"
+    return image
 
 
 def png_of(pixels: NDArray[np.uint8]) -> bytes:

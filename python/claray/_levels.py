@@ -8,8 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _native
 from ._arrays import MISS, words
-from ._instances import rows_of
 from ._lists import Lists
+from ._transforms import rows_of
 from .errors import UsageError
 
 

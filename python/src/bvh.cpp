@@ -81,7 +81,12 @@ void move_vertices(PyBvh& self, const Vertices& vertices, bool rebuild) {
 }
 
 nb::dict statistics(const PyBvh& self) {
-    const BvhStatistics s = without_gil(self.device, [&] { return self.bvh.statistics(); });
+    return tree_statistics(without_gil(self.device, [&] { return self.bvh.statistics(); }));
+}
+
+}  // namespace
+
+nb::dict tree_statistics(const BvhStatistics& s) {
     nb::dict dict;
     dict["triangles"] = s.triangles;
     dict["culled"] = s.culled;
@@ -91,8 +96,6 @@ nb::dict statistics(const PyBvh& self) {
     dict["bytes"] = s.bytes;
     return dict;
 }
-
-}  // namespace
 
 Bvh::Config config_of(const std::string& builder) {
     if (builder == automatic_traits.name) return {};

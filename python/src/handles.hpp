@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <vector>
 
 #include "claray/query.hpp"
@@ -48,6 +49,18 @@ auto without_gil(const PyDevice& device, const Work& work) {
     return work();
 }
 
+/// The same with the locks of several devices, taken in one order everywhere.
+template <class Work>
+auto without_gil(const std::vector<PyDevice>& devices, const Work& work) {
+    refuse_if_forked();
+    std::set<std::recursive_mutex*> mutexes;
+    for (const PyDevice& device : devices) mutexes.insert(device.mutex.get());
+    const nb::gil_scoped_release release;
+    std::vector<std::unique_lock<std::recursive_mutex>> locks;
+    for (std::recursive_mutex* mutex : mutexes) locks.emplace_back(*mutex);
+    return work();
+}
+
 using PyEvent = Kept<cl::Event>;
 
 struct PyBvh {
@@ -63,8 +76,13 @@ void bind_points(nb::module_& module);
 void bind_lists(nb::module_& module);
 void bind_primitives(nb::module_& module);
 void bind_instances(nb::module_& module);
+void bind_records(nb::module_& module);
 void bind_scene(nb::module_& module);
+void bind_textures(nb::module_& module);
+void bind_render_config(nb::module_& module);
 void bind_renderer(nb::module_& module);
+void bind_bake(nb::module_& module);
+void bind_explain(nb::module_& module);
 void bind_accuracy(nb::module_& module);
 void bind_verify(nb::module_& module);
 

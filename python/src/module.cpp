@@ -13,8 +13,13 @@ NB_MODULE(_native, module) {
     bind_lists(module);
     bind_points(module);
     bind_query(module);
+    bind_textures(module);
+    bind_records(module);
     bind_scene(module);
+    bind_render_config(module);
     bind_renderer(module);
+    bind_bake(module);
+    bind_explain(module);
     bind_accuracy(module);
     bind_verify(module);
 }

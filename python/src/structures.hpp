@@ -30,4 +30,6 @@ struct PyFilter {
 /// The builder of that name. Throws ErrorKind::usage, naming the argument, for an unknown one.
 [[nodiscard]] Bvh::Config config_of(const std::string& builder);
 
+[[nodiscard]] nb::dict tree_statistics(const BvhStatistics& statistics);
+
 }  // namespace claray::python

@@ -99,7 +99,7 @@ def test_what_has_no_effect_is_refused():
             with pytest.raises(AttributeError, match=rf"claray\.{type(one).__name__}\.{name}: there is no such property"):
                 setattr(one, name, "x")
         assert not hasattr(one, "enviroment")
-    for one, name in ((scene, "triangle_count"), (scene, "environment"), (bvh, "device"), (bvh, "is_closed")):
+    for one, name in ((scene, "triangle_count"), (scene, "primitives"), (bvh, "device"), (bvh, "is_closed")):
         with pytest.raises(AttributeError):
             setattr(one, name, 1)
     with pytest.raises(TypeError):
@@ -209,24 +209,42 @@ def test_the_default_builder_is_automatic(soup):
 
 def test_pickling_says_what_to_do_instead(soup):
     bvh, scene = soup[2], claray.load("cornell")
-    hints = [(bvh, "save"), (scene, "copy"), (bvh.device, "index or name"), (claray.Query(bvh), "each process"),
-             (claray.Primitives.spheres([[0, 0, 0]], 1), "each process"), (scene.materials[0], "properties"),
-             (claray.Renderer(scene, width=4, height=4, spp=1), "image"), (claray.geometry_range(0, 1), "text")]
+    hints = [(bvh, "save"), (bvh.device, "index or name"), (claray.Query(bvh), "each process"),
+             (claray.Primitives.spheres([[0, 0, 0]], 1), "each process"), (claray.InstancedBvh(bvh, np.eye(4)[None]), "each process"),
+             (claray.Renderer(scene, width=4, height=4, spp=1), "image")]
     for one, hint in hints:
-        with pytest.raises(TypeError, match=f"claray.{type(one).__name__} can.*{hint}"):
-            pickle.dumps(one)
-    with pytest.raises(TypeError, match="Bvh.*build it"):
-        copy.copy(bvh)
-    for twin in (copy.copy(scene), copy.deepcopy(scene)):
+        for way in (pickle.dumps, copy.copy, copy.deepcopy):
+            with pytest.raises(TypeError, match=f"claray.{type(one).__name__} can.*{hint}"):
+                way(one)
+
+
+def test_copies_are_copies(soup):
+    """Of what is plain data: by copy(), deepcopy() and pickle alike."""
+    rays = [[0, 0, 3.0]], [[0, 0, -1.0]]
+    for twin_of in (copy.copy, copy.deepcopy, lambda one: pickle.loads(pickle.dumps(one))):
+        scene = claray.load("cornell")
+        twin = twin_of(scene)
         twin.materials[0].name = "other"
         assert scene.materials[0].name != "other" and twin.triangle_count == scene.triangle_count
-    twin = copy.deepcopy(scene.materials[0])
-    twin.name = "other"
-    assert scene.materials[0].name != "other"
-    image = claray.render(scene, width=4, height=4, spp=1)
-    assert (pickle.loads(pickle.dumps(image)) == image).all()
-    lists = claray.all_hits(bvh, [[0, 0, 3.0]], [[0, 0, -1.0]])
-    assert (pickle.loads(pickle.dumps(lists)).elements == lists.elements).all()
+        for record in (scene.materials[0], scene.camera, claray.Light("sun", intensity=(3, 2, 1)), claray.Material("glass", albedo_map=3)):
+            twin, values = twin_of(record), repr(record)
+            assert type(twin) is type(record) and repr(twin) == values and twin != record
+            setattr(twin, *(("name", "other") if hasattr(twin, "name") else ("target", (9, 9, 9))))
+            assert repr(record) == values
+        image = claray.render(scene, width=4, height=4, spp=1)
+        image.exposure, image.tone_map = 2, "none"
+        twin = twin_of(image)
+        assert isinstance(twin, claray.Image) and (twin == image).all() and not np.shares_memory(twin, image)
+        assert (twin.exposure, twin.tone_map) == (2, "none")
+        lists = claray.all_hits(soup[2], *rays)
+        assert (twin_of(lists).elements == lists.elements).all()
+        odd = twin_of(claray.Filter("static inline bool accept_hit(global const float* data, float3 origin, float3 direction, "
+                                    "const Hit* hit) { return hit->primitive % 2 == (uint)data[0]; }", [1], name="odd"))
+        assert odd.name == "odd" and (claray.all_hits(soup[2], *rays, filter=odd).elements["primitive"] % 2 == 1).all()
+        texture = claray.Texture(np.arange(12, dtype=np.uint8).reshape(2, 2, 3), "linear", ("clamp", "mirror"), "nearest", "dots")
+        for one in (texture, claray.Environment([texture] * 6, 2, 1), claray.Environment(texture)):
+            assert repr(twin_of(one)) == repr(one)
+        assert (twin_of(texture).pixels == texture.pixels).all() and twin_of(texture).wrap == ("clamp", "mirror")
 
 
 def test_versions_and_descriptions(soup):

@@ -1,0 +1,73 @@
+"""What the effects of a scene cost."""
+
+from __future__ import annotations
+
+from typing import Any, Callable, Sequence, TypedDict
+
+from . import _native
+from ._device import AnyDevice, device_of
+from ._options import RenderOptions, config_of
+from ._render import native_scene
+from ._scene import Scene
+from ._typing import Unpack
+from .errors import UsageError
+
+
+class Variant(TypedDict):
+    """A renderer of the scene for one set of effects: device time of a frame of one sample per pixel, time to compile, registers
+    and spilled bytes of the shading kernel (None: unknown), and device memory."""
+
+    milliseconds: float
+    compile_milliseconds: float
+    registers: int | None
+    spill_bytes: int | None
+    bytes: int
+
+
+class ExplainedEffect(TypedDict):
+    """effect: its name. used: whether the scene uses it, and by how many objects (count), such as `first`. measured: False for what nothing
+    can replace. other: the scene without it, or with it compiled in though nothing uses it; own_compile_milliseconds: of the same
+    kernels as compiled for the scene. ratio: time of `other` over that of the scene's own kernels. noise: the rounds disagree which is slower."""
+
+    effect: str
+    used: bool
+    first: str
+    count: int
+    measured: bool
+    ratio: float
+    noise: bool
+    other: Variant
+    own_compile_milliseconds: float
+
+
+class ExplainedApproximation(TypedDict):
+    """ratio: time of a frame with it over that without. noise: the rounds disagree. error: RMSE of its image over the mean."""
+
+    approximation: str
+    ratio: float
+    noise: bool
+    error: float
+
+
+class Explanation(TypedDict):
+    """own: what the scene uses and nothing else; each effect; and the approximations that have an effect in this scene."""
+
+    own: Variant
+    effects: list[ExplainedEffect]
+    approximations: list[ExplainedApproximation]
+
+
+def explain(scene: Scene, *, device: AnyDevice = None, only: str | Sequence[str] | None = None, rounds: int = 7,
+            compile_times: bool = False, progress: Callable[[str], Any] | None = None, **options: Unpack[RenderOptions]) -> Explanation:
+    """Measures what each effect of a scene costs, as the program's `claray explain`: renders with and without it, by turns. May take
+    minutes. Scene.effects() tells, at once, which effects a scene uses.
+
+    only: names of effects to measure; None: those that the scene uses. rounds: pairs of renders for each. compile_times: compile all kernels once
+    more for their time. progress: called with what is done next. options: as of Renderer.
+    """
+    native = native_scene(scene)
+    if not isinstance(rounds, int) or not 1 <= rounds <= 1000:
+        raise UsageError(f"rounds: is {rounds!r}; use 1 to 1000")
+    names = None if only is None else only if isinstance(only, str) else ",".join(only)
+    config = config_of({"width": 128, "height": 128, **options})
+    return _native.explain(device_of(device)._native, native, config, names, rounds, compile_times, progress)
