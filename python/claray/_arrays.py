@@ -133,6 +133,12 @@ def number(name: str, value: Any) -> float:
         raise UsageError(f"{name}: is {value!r}; use a number") from None
 
 
+def integer(name: str, value: Any, low: int, high: int) -> int:
+    if not isinstance(value, (int, np.integer)) or isinstance(value, bool) or not low <= value <= high:
+        raise UsageError(f"{name}: is {value!r}; use an integer from {low} to {high}")
+    return int(value)
+
+
 def check_choice(name: str, value: Any, choices: tuple[str, ...]) -> None:
     if not isinstance(value, str) or value not in choices:
         raise UsageError(f"{name}: unknown name {value!r}; use one of {', '.join(choices)}")

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import HIT, MISS, finite, finite_vector, flag, vectors, words
+from ._arrays import HIT, MISS, finite, finite_vector, flag, integer, vectors, words
 from ._bvh import Bvh, check_bvh
 from ._filter import Filter
 from ._query import native_filter, packed_rays
@@ -74,14 +74,13 @@ def nearest_hits(bvh: Bvh, origins: ArrayLike, directions: ArrayLike | None = No
     arguments and errors are those of closest_hit.
     """
     check_bvh(bvh)
-    if not isinstance(most, (int, np.integer)) or isinstance(most, bool) or not 0 < most < 2**32:
-        raise UsageError(f"most: is {most!r}; use a positive integer")
+    most = integer("most", most, 1, 2**32 - 1)
     rays, shape = packed_rays(origins, directions, tmin, tmax, nan)
     hits, counts = np.empty((len(rays), most), HIT), np.zeros(len(rays), np.uint32)
     visible, accepted = words("masks", masks, shape), native_filter(filter)
     if len(rays):
         as_bytes = hits.view(np.uint8).reshape(len(rays), most, HIT.itemsize)
-        _native.nearest_hits(bvh._native, rays, int(most), flag("cull_back_faces", cull_back_faces), flag("closed", closed), visible, accepted, as_bytes, counts)
+        _native.nearest_hits(bvh._native, rays, most, flag("cull_back_faces", cull_back_faces), flag("closed", closed), visible, accepted, as_bytes, counts)
     none = np.arange(most) >= counts[:, None]
     hits[none] = np.array((0, 0, 0, MISS, MISS), HIT)
     hits["t"][none] = np.broadcast_to(rays[:, 7:8], none.shape)[none]

@@ -86,6 +86,17 @@ nb::tuple spheres(const PyBvh& self, const Input<float, nb::shape<-1, 4>>& given
     return as_tuple<std::uint32_t>(std::move(lists), {});
 }
 
+void count_spheres(const PyBvh& self, const Input<float, nb::shape<-1, 4>>& given, const WordsOut& out) {
+    without_gil(self.device, [&] {
+        const Device& device = self.bvh.device();
+        const auto spheres = Buffer<float>::over(device, span_of<float>(given));
+        const std::span counts(out.data(), out.size());
+        auto found = Buffer<std::uint32_t>::under(device, counts);
+        count_sphere_overlaps(self.bvh, spheres, found);
+        found.fetch(counts);
+    });
+}
+
 }  // namespace
 
 HitFilter filter_of(const Device& device, const PyFilter& filter) {
@@ -106,6 +117,7 @@ void bind_lists(nb::module_& module) {
     module.def("all_hits", &all);
     module.def("box_overlaps", &boxes);
     module.def("sphere_overlaps", &spheres);
+    module.def("count_sphere_overlaps", &count_spheres);
 }
 
 }  // namespace claray::python
