@@ -258,13 +258,13 @@ def mesh_eval_position(mesh: Mesh, face: Any, bary_u: Any, bary_v: Any) -> Any:
     corners = mesh._geometry.triangles(_numbers_of("face", face, len(mesh._geometry.faces)))
     u, v = (as_array(name, value).astype(np.float64)[..., None] for name, value in (("bary_u", bary_u), ("bary_v", bary_v)))
     place = u * corners[..., 0, :] + v * corners[..., 1, :] + (1 - u - v) * corners[..., 2, :]
-    return _in_kind({"place": place}, place.shape[:-1], face)["place"]
+    return _in_kind({"place": place.reshape(-1, 3)}, place.shape[:-1], face)["place"]
 
 
 def mesh_eval_face_normal(mesh: Mesh, face: Any) -> Any:
     """The unit normals (N, 3) of faces (N,), of their winding order."""
     normals = mesh._geometry.normals_of(_numbers_of("face", face, len(mesh._geometry.faces)))
-    return _in_kind({"normal": normals}, normals.shape[:-1], face)["normal"]
+    return _in_kind({"normal": normals.reshape(-1, 3)}, normals.shape[:-1], face)["normal"]
 
 
 def mesh_get_index(mesh: Mesh, face_vertex_index: Any) -> Any:
@@ -276,7 +276,8 @@ def mesh_get_index(mesh: Mesh, face_vertex_index: Any) -> Any:
 def mesh_get_point(mesh: Mesh, index: Any) -> Any:
     """The places (N, 3) of the vertices of the numbers (N,) in mesh.indices."""
     numbers = _numbers_of("index", index, mesh._geometry.faces.size)
-    return _in_kind({"point": mesh._geometry.corners[mesh._geometry.faces.reshape(-1)[numbers]]}, numbers.shape, index)["point"]
+    corners = mesh._geometry.corners[mesh._geometry.faces.reshape(-1)[numbers.reshape(-1)]]
+    return _in_kind({"point": corners}, numbers.shape, index)["point"]
 
 
 def _query_point(mesh: Mesh, point: Any, max_dist: Any,
@@ -333,7 +334,8 @@ def _winding_numbers(mesh: Mesh, points: NDArray[Any]) -> NDArray[np.float64]:
 def _solid_angles(triangles: NDArray[np.float64], points: NDArray[Any]) -> NDArray[np.float64]:
     """Of triangles (T, 3, 3) as points (N, 3) see them, positive from behind: (N, T). Van Oosterom and Strackee 1983, "The solid angle
     of a plane triangle"."""
-    a, b, c = (triangles[:, corner].T[:, None] - points.T[:, :, None].astype(np.float64) for corner in range(3))  # (3, N, T)
+    corners, seen_from = triangles.transpose(1, 2, 0).copy(), points.T.astype(np.float64, order="C")  # rows for each coordinate
+    a, b, c = (corner[:, None] - seen_from[:, :, None] for corner in corners)  # (3, N, T)
     la, lb, lc = (np.sqrt((to * to).sum(axis=0)) for to in (a, b, c))
     volume = a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
     rest = la * lb * lc + (a * b).sum(axis=0) * lc + (b * c).sum(axis=0) * la + (c * a).sum(axis=0) * lb
@@ -427,4 +429,5 @@ def _in_kind(arrays: dict[str, NDArray[Any]], shape: Shape, argument: Any) -> di
     if type(argument).__module__.split(".")[0] != "warp":
         return results
     warp = importlib.import_module("warp")
-    return {name: warp.array(array, dtype=warp.vec3 if array.ndim > len(shape) else None) for name, array in results.items()}
+    return {name: warp.array(array, dtype=warp.vec3 if array.ndim > len(shape) else getattr(warp, array.dtype.name))
+            for name, array in results.items()}
