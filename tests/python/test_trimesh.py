@@ -156,3 +156,15 @@ def test_meshes_change_and_are_copied(nested):
         assert other.intersects_any([[9, 0, 5]], [[0, 0, -1]]).all()
     with pytest.raises(claray.UsageError, match="^ray_directions"):
         own.intersects_first(np.zeros((2, 3)), np.zeros((3, 3)))
+
+
+def test_rays_within_a_small_part_of_a_large_mesh():
+    """Rays begin a little back, so that they hit what they begin on; but not so far that they leave a ball of 1e-3 in a room of 8192."""
+    ball = trimesh.creation.icosphere(subdivisions=1, radius=2.0**-10)
+    ball.vertices = ball.vertices.astype(np.float32)
+    room = trimesh.creation.box(extents=[2.0**14] * 3)
+    own = RayMeshIntersector(trimesh.util.concatenate([room, ball]))
+    directions = np.random.default_rng(9).normal(size=(200, 3))
+    locations, rays, triangles = own.intersects_location(np.zeros((200, 3)), directions, multiple_hits=False)
+    assert len(rays) == 200 and (triangles >= len(room.faces)).all()
+    assert (np.einsum("ij,ij->i", locations, directions) > 0).all()  # in front of the origin
