@@ -103,16 +103,15 @@ def test_points(boxes, points):
 
 
 def test_samples_vote_where_a_mesh_is_open():
-    """Open3D's first direction leaves through a hole of 0.001 that the second and the third miss."""
-    towards = claray.open3d._directions(3)
+    """A triangle is met by Open3D's first direction only, and a ring around it by the second and the third."""
+    towards = claray.open3d._directions(3).astype(np.float64)
+    assert np.isclose(towards[0, 0], 1 + 0.001 * (2 * 1608637542 / 2**32 - 1), rtol=1e-7)  # the first number of std::mt19937(42)
     assert (np.abs(towards - 1) <= 0.001).all() and len(np.unique(towards, axis=0)) == 3
-    walls = scene_of((np.array([[5, 0, 0], [0, 5, 0], [0, 0, 5]]) * 2, [[0, 1, 2]]))
-    first = 10 / towards[0].sum() * towards[0]
-    hole = first + 1e-4 * np.array([[1, -1, 0], [-1, 0, 1], [0, 1, -1]])
-    rim = np.concatenate([walls._meshes[0][0], hole])
-    ring = scene_of((rim, [[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4], [2, 0, 3], [2, 3, 5]]))
-    assert walls.compute_occupancy([[0, 0, 0]]) == 1
-    assert [ring.compute_occupancy([[0, 0, 0]], nsamples=n)[0] for n in (1, 3)] == [0, 1]
+    patch = (10 / towards[0].sum() * towards[0] + 1e-4 * np.array([[1, -1, 0], [-1, 0, 1], [0, 1, -1]])).astype(np.float32)
+    outer = np.diag(np.float32([10, 10, 10]))
+    ring = [[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4], [2, 0, 3], [2, 3, 5]]
+    for corners, faces, answers in ((outer, [[0, 1, 2]], [1, 1]), (patch, [[0, 1, 2]], [1, 0]), (np.concatenate([outer, patch]), ring, [0, 1])):
+        assert [scene_of((corners, faces)).compute_occupancy([[0, 0, 0]], nsamples=n)[0] for n in (1, 3)] == answers
 
 
 def test_pinhole_cameras():
@@ -144,7 +143,7 @@ def test_scenes_grow_and_copy():
 
 
 def test_empty_scenes():
-    for scene in (RaycastingScene(), scene_of((np.zeros((0, 3)), np.zeros((0, 3), int)))):
+    for scene in (RaycastingScene(device="CPU:0"), scene_of((np.zeros((0, 3)), np.zeros((0, 3), int)))):
         assert scene.cast_rays(np.ones((2, 6)))["t_hit"].tolist() == [np.inf] * 2
         assert scene.count_intersections(np.ones((2, 6))).tolist() == [0, 0] and len(scene.list_intersections(np.ones((2, 6)))["t_hit"]) == 0
         assert scene.compute_distance(np.ones((2, 3))).tolist() == [np.inf] * 2
@@ -166,6 +165,19 @@ class Tensor:
         return self.array
 
 
+class Device:
+    """What claray uses of open3d.core.Device."""
+
+    def __init__(self, name):
+        self.name = name
+
+    def get_type(self):
+        return None
+
+    def __str__(self):
+        return self.name
+
+
 class Mesh:
     """What claray uses of open3d.t.geometry.TriangleMesh."""
 
@@ -173,7 +185,7 @@ class Mesh:
 
 
 def test_results_are_what_arguments_are():
-    scene = RaycastingScene(nthreads=2, device="CPU:0")
+    scene = RaycastingScene(nthreads=2, device=Device("CPU:0"))
     assert scene.add_triangles(Mesh()) == 0 and scene.add_triangles(mesh=Mesh()) == 1
     ray = np.array([[0.5, 0.4, 9, 0, 0, -1]], np.float32)
     for ask in (scene.cast_rays, scene.list_intersections):
@@ -185,6 +197,7 @@ def test_results_are_what_arguments_are():
 
 
 @pytest.mark.parametrize("name, call", [
+    ("device", lambda s: RaycastingScene(device=Device("CUDA:0"))),
     ("rays", lambda s: s.cast_rays(np.zeros((3, 5)))),
     ("rays", lambda s: s.test_occlusions(np.zeros(6))),
     ("tnear", lambda s: s.test_occlusions(np.zeros((3, 6)), tnear=-1)),

@@ -126,6 +126,15 @@ def test_signs_at_sharp_edges_and_corners(star):
     assert ((flat > 0) != (turns < 0.5)).sum() > 10
 
 
+def test_pseudonormals_of_corners_and_edges(box):
+    """However the sides of a box are divided into triangles, those of its corners are along its diagonals."""
+    normals = box._geometry.feature_normals
+    outwards = 2 * CORNERS[FACES] - 1
+    assert np.allclose(normals[:, [6, 5, 3]], np.pi / 2 * outwards)
+    middles = outwards[:, [1, 2, 0]] + outwards[:, [2, 0, 1]]
+    assert np.allclose(normals[:, [1, 2, 4]], 2 * middles / np.abs(middles).sum(axis=-1, keepdims=True))
+
+
 def test_winding_numbers_of_open_and_nested_meshes(star):
     corners, faces = star._geometry.corners, star._geometry.faces
     points = np.random.default_rng(8).uniform(-1, 1, (500, 3)).astype(np.float32)
@@ -148,13 +157,17 @@ def test_rays_vote_for_signs(box):
     assert warp.mesh_query_point(lidless, points, 9).sign == -1  # two of three rays
     wall = warp.Mesh(CORNERS, np.concatenate([FACES[2:4], FACES[6:8, ::-1]]))  # one ray from behind, one from the front
     assert warp.mesh_query_point(wall, points, 9).sign == 1
-    directions = warp._directions(5, 0.9)
-    assert (np.abs(directions - 1) <= 0.9).all() and np.abs(directions - 1).max() > 0.7
-    hits = [claray.any_hit(lidless._bvh, points, towards)[0] for towards in directions]
-    assert 0 < sum(hits) < 5
-    assert warp.mesh_query_point_sign_parity(lidless, points, 9, 5, 0.9).sign == (-1 if sum(hits) > 2 else 1)
-    first = next(n for n in range(1, 6) if not hits[n - 1])
-    assert warp.mesh_query_point_sign_parity(lidless, points, 9, first, 0.9).sign == (-1 if 2 * sum(hits[:first]) >= first else 1)
+    points = np.array([[0.5, 0.5, 0.4], [0.5, 0.5, 0.55]], np.float32)
+    odd = {}
+    for scale in (0.1, 0.9):
+        directions = warp._directions(8, scale)
+        assert (np.abs(directions - 1) <= scale).all() and np.abs(directions - 1).max() > 0.7 * scale
+        odd[scale] = np.stack([claray.any_hit(lidless._bvh, points, towards) for towards in directions])
+        for count in range(1, 9):  # at least half
+            signs = np.where(2 * odd[scale][:count].sum(axis=0) >= count, -1, 1)
+            assert (warp.mesh_query_point_sign_parity(lidless, points, 9, count, scale).sign == signs).all()
+    assert any((2 * votes[:count].sum(axis=0) == count).any() for votes in odd.values() for count in (2, 4, 6, 8))
+    assert (2 * odd[0.1].sum(axis=0) >= 8).tolist() != (2 * odd[0.9].sum(axis=0) >= 8).tolist()
 
 
 def test_meshes_move():
@@ -162,7 +175,7 @@ def test_meshes_move():
     mesh = warp.Mesh(points, FACES)
     start, towards = [[0.5, 0.4, 9.0]], [[0.0, 0.0, -1.0]]
     points *= [1, 1, 3]
-    assert warp.mesh_query_ray(mesh, start, towards, 99).t == 8
+    assert warp.mesh_query_ray(mesh, start, towards, 99).t == 8 and warp.mesh_get_point(mesh, [2]).tolist() == [[0, 1, 1]]
     mesh.refit()
     assert warp.mesh_query_ray(mesh, start, towards, 99).t == 6
     mesh.points = CORNERS * [1, -1, 1]
@@ -194,6 +207,7 @@ def test_boxes_spheres_and_lookups(box):
     ("low", lambda m: warp.mesh_query_aabb(m, 1, np.zeros((3, 3)))),
     ("face", lambda m: warp.mesh_eval_face_normal(m, [12])),
     ("index", lambda m: warp.mesh_get_point(m, [-1])),
+    ("face_vertex_index", lambda m: warp.mesh_get_index(m, [36])),
     ("indices", lambda m: warp.Mesh(CORNERS, [0, 1, 8])),
     ("indices", lambda m: warp.Mesh(CORNERS, [0, 1, 2, 3])),
     ("indices", lambda m: warp.Mesh(CORNERS, np.zeros(0, int))),
