@@ -18,14 +18,15 @@ _LOADER = "libOpenCL.so.1"
 _DRIVERS = ("lib/libintelocl.so",)  # of PyPI's intel-opencl-rt
 
 
-def _load_loader() -> None:
-    """The system's loader, else that of the wheel. The extension module then finds it by its name."""
+def _load_loader() -> bool:
+    """The system's loader, else that of the wheel. The extension module then finds it by its name. Returns whether it is the wheel's."""
     for path in (_LOADER, os.path.join(os.path.dirname(__file__), "loader", _LOADER)):
         try:
             ctypes.CDLL(path, mode=ctypes.RTLD_GLOBAL)
-            return
+            return path != _LOADER
         except OSError:
             pass
+    return False
 
 
 def _register_drivers() -> None:
@@ -102,5 +103,5 @@ def _remove(folder: str, owner: int) -> None:
         shutil.rmtree(folder, ignore_errors=True)
 
 
-_load_loader()
+of_wheel = _load_loader()
 _register_drivers()

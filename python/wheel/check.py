@@ -9,63 +9,27 @@ kept. The exit code is 77 if this system cannot make another.
 
 import argparse
 import json
-import os
 import pathlib
 import re
 import shutil
-import subprocess
 import sys
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-MIRROR = "http://deb.debian.org/debian"
-CERTIFICATES = "etc/ssl/certs/ca-certificates.crt"
+sys.path.insert(0, str(ROOT / "tests/install"))
+from bare_system import BareSystem, require_tools  # noqa: E402
+
 OF_THE_SYSTEM = re.compile(r"/(libc|libm|libdl|librt|libpthread|libstdc\+\+|libgcc_s|ld-linux[^/]*)[-.]|^/usr/lib/(python3|locale)"
                            r"|/lib(expat|z|zstd|ssl|crypto|ffi|bz2|lzma|uuid|python3[.\d]*)[-.]")  # the last ones are Python's own
-NOT_TRIED = 77
 MOST_SECONDS, MOST_IMPORT_SECONDS = 60, 0.05
 
 
-def cannot_try(why):
-    print(f"check.py: {why}; the wheels are not tried", file=sys.stderr)
-    sys.exit(NOT_TRIED)
-
-
-def bare_system(release):
-    folder = ROOT / "build/wheel" / release
-    if not folder.exists():
-        print(f"making {folder}", file=sys.stderr)
-        unfinished = folder.with_suffix(".unfinished")
-        shutil.rmtree(unfinished, ignore_errors=True)
-        making = ["mmdebstrap", "--quiet", "--variant=minbase", "--include=python3,python3-venv,ca-certificates", release, unfinished, MIRROR]
-        if subprocess.run(making).returncode:
-            cannot_try(f"cannot make a bare {release}")
-        unfinished.rename(folder)
-    shutil.copy(pathlib.Path("/", CERTIFICATES), folder / CERTIFICATES)  # also of a proxy
-    shutil.copy("/etc/resolv.conf", folder / "etc/resolv.conf")
-    return folder
-
-
-class System:
+class System(BareSystem):
     def __init__(self, release, wheels):
-        self.folder = bare_system(release)
-        files = self.folder / "wheels"
-        for old in (files, self.folder / "env"):
-            shutil.rmtree(old, ignore_errors=True)
-        files.mkdir()
-        for path in (*wheels, pathlib.Path(__file__).with_name("first_hit.py")):
-            shutil.copy(path, files)
+        super().__init__(ROOT / "build/wheel", release)
+        self.put("wheels", (*wheels, pathlib.Path(__file__).with_name("first_hit.py")))
+        shutil.rmtree(self.folder / "env", ignore_errors=True)
         self.run("python3 -m venv /env")
-
-    def run(self, command):
-        clean = {"HOME": "/root", "PATH": "/usr/sbin:/usr/bin:/sbin:/bin", "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
-        clean |= {name: value for name, value in os.environ.items() if name.lower().endswith("_proxy")}
-        mounted = 'mount -t proc proc "$0/proc" && mount --rbind /dev "$0/dev" && mount --rbind /sys "$0/sys"'
-        inside = ["unshare", "--mount", "sh", "-c", mounted + ' && exec chroot "$0" sh -c "$1"', self.folder, command]
-        done = subprocess.run(inside, env=clean, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
-        if done.returncode:
-            sys.exit(f"check.py: {command}: {done.stdout[-2000:]}")
-        return done.stdout
 
     def install(self, what):
         self.run(f"/env/bin/pip install -q --find-links /wheels {what}")
@@ -97,6 +61,9 @@ def check(release, wheels):
         wrong.append(f"with a driver of PyPI: {hit}")
     if seconds > MOST_SECONDS:
         wrong.append(f"{seconds:.0f} s to the first hit, without the download of a driver")
+    told = system.run("cd /tmp && /env/bin/claray render cornell -o cornell.png --size 32x32 --spp 1 && /env/bin/claray view cornell --help")
+    if "cornell.png: 32x32" not in told or "--port" not in told:
+        wrong.append(f"the program: {told}")
     print(f"{release}, Python {alone['python']}: import {alone['import_seconds']:.3f} s; {hit.get('device', 'no device')}; first hit "
           f"{seconds:.1f} s after the beginning, without the download of the driver" + "".join("\n  WRONG: " + each for each in wrong))
     return wrong
@@ -108,10 +75,7 @@ def main():
     parser.add_argument("--release", action="append")
     parser.add_argument("--can", action="store_true", help="tell only by the exit code whether this system can make another")
     options = parser.parse_args()
-    if not shutil.which("mmdebstrap"):
-        cannot_try("mmdebstrap is missing: apt-get install mmdebstrap")
-    if subprocess.run(["unshare", "--mount", "true"], stderr=subprocess.DEVNULL).returncode:
-        cannot_try("only root can mount what a bare system needs")
+    require_tools()
     if options.can:
         return
     wheels = options.wheels or sorted((ROOT / "out/wheels").glob("*.whl"))

@@ -52,12 +52,12 @@ def build(python, folder):
 
 
 def libraries(wheel):
-    """Names and files of the libraries that the extension module loads."""
+    """Names and files of the libraries that the extension module, the program and its plugins load."""
     with tempfile.TemporaryDirectory() as folder, zipfile.ZipFile(wheel) as archive:
-        module = archive.extract(next(name for name in archive.namelist() if "/_native." in name and name.endswith(".so")), folder)
-        found = run("ldd", module, stdout=subprocess.PIPE).stdout
-    if "-abi3-" in wheel.name and ".abi3." not in os.path.basename(module):
-        sys.exit(f"make.py: {os.path.basename(module)} is for one version of Python; install the one whose development files are complete")
+        names = [name for name in archive.namelist() if name.endswith(".so") or name.startswith("claray/bin/")]
+        found = "".join(run("ldd", archive.extract(name, folder), stdout=subprocess.PIPE).stdout for name in names)
+    if "-abi3-" in wheel.name and not any(name.endswith(".abi3.so") for name in names):
+        sys.exit("make.py: the extension module is for one version of Python; install the one whose development files are complete")
     return dict(re.findall(r"(\S+) => (/\S+)", found))
 
 
