@@ -9,7 +9,7 @@ hits["t"], hits["primitive"]
 
 from . import _loader, _native, errors  # the loader first: it finds what the extension module needs
 from ._accuracy import Study, accuracy, studies
-from ._arrays import HIT, INSTANCE_HIT, MISS, NEAREST, RAY
+from ._arrays import HIT, INSTANCE_HIT, MISS, NEAREST, NEAREST64, RAY
 from ._bake import bake_light_map, render_probe
 from ._bvh import Bvh
 from ._device import Device, Event, default_device, devices
@@ -35,7 +35,7 @@ del _loader
 __version__: str = _native.version
 
 __all__ = [
-    "GBUFFER", "HIT", "INSTANCE_HIT", "MISS", "NEAREST", "RAY", "Bvh", "BvhOptions", "Camera", "Device", "DeviceError",
+    "GBUFFER", "HIT", "INSTANCE_HIT", "MISS", "NEAREST", "NEAREST64", "RAY", "Bvh", "BvhOptions", "Camera", "Device", "DeviceError",
     "Environment", "Error", "Event", "Filter", "FlatInstances", "GBuffer", "Image", "ImageError", "InputError",
     "InstancedBvh", "Instances", "Light", "LightGridOptions", "LightMapOptions", "Lists", "LoadOptions", "Material",
     "Primitives", "Query", "Rays", "RenderOptions", "RenderProgress", "RenderStatistics", "Renderer", "Scene", "Study",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,8 @@ INSTANCE_HIT = np.dtype([*((name, HIT.fields[name][0]) for name in HIT.names), (
 """A hit of an InstancedBvh: 24 bytes. Its triangle and weights are those of the instance's structure."""
 NEAREST = np.dtype([("point", "3f4"), ("distance", "f4"), ("u", "f4"), ("v", "f4"), ("primitive", "u4"), ("geometry", "u4")])
 """The nearest point of a surface: 32 bytes."""
+NEAREST64 = np.dtype([(name, "3f8" if name == "point" else NEAREST.fields[name][0]) for name in NEAREST.names])
+"""The same of a structure with an origin: the point is float64."""
 MISS = 0xFFFFFFFF
 """The primitive of a ray that hits nothing."""
 
@@ -73,10 +75,10 @@ def vectors(name: str, value: Any, columns: int = 3) -> tuple[NDArray[Any], Shap
     return array, array.shape[:1]
 
 
-def places(name: str, value: Any, nan: str = "raise") -> NDArray[np.float32]:
-    """Contiguous float32 of shape (N, 3). Warns where float32 rounds much of what the places are apart. With another `nan`
-    than "raise", numbers that are not finite stay."""
-    given = floats(name, value, 3)
+def places(name: str, value: Any, nan: str = "raise", origin: Origin = None) -> NDArray[np.float32]:
+    """Contiguous float32 of shape (N, 3), relative to an origin. Warns where float32 rounds much of what the places are apart. With
+    another `nan` than "raise", numbers that are not finite stay."""
+    given = local(floats(name, value, 3), origin)
     if nan == "raise":
         result = finite(name, given)
         _warn_of_rounding(name, given, result)
@@ -94,7 +96,30 @@ def _warn_of_rounding(name: str, given: NDArray[Any], result: NDArray[np.float32
             rounding = float(np.abs(given - result).max())
             if rounding > _MOST_ROUNDING * extent:
                 warn(f"{name}: float32 rounds them by up to {rounding:.2g}, and their extent is {extent:.3g}; "
-                     "subtract an origin near them first, from rays and points, too")
+                     "pass origin='auto' to a claray.Bvh, or subtract an origin near them, from rays and points, too")
+
+
+Origin = Union[NDArray[np.float64], None]
+"""(3,) of a structure's local coordinates; None: they are those of the world."""
+
+
+def origin_of(value: Any, vertices: NDArray[Any]) -> Origin:
+    """The origin that a structure is asked for: (3,) numbers, or "auto" for the middle of its vertices."""
+    if value is None:
+        return None
+    if isinstance(value, str):
+        check_choice("origin", value, ("auto",))
+        usable = vertices[np.isfinite(vertices).all(axis=1)].astype(np.float64, copy=False)
+        return 0.5 * usable.min(axis=0) + 0.5 * usable.max(axis=0) if len(usable) else np.zeros(3)
+    place = distances("origin", value, 3).copy()
+    if not np.isfinite(place).all():
+        raise UsageError(f"origin: is {value!r}; use finite numbers")
+    return place
+
+
+def local(points: NDArray[Any], origin: Origin) -> NDArray[Any]:
+    """Points (..., 3) relative to a structure's origin, by float64."""
+    return points if origin is None else np.subtract(points, origin, dtype=np.float64)
 
 
 def _as_float32(array: NDArray[Any]) -> NDArray[np.float32]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Iterable, Sequence
+from typing import Any, Iterable, Sequence, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +15,15 @@ from ._handle import Handle
 from ._scene import Scene
 from ._transforms import rows_of
 from .errors import UsageError
+
+
+def _structures(bvhs: Any) -> list[Bvh]:
+    structures = [bvhs] if isinstance(bvhs, Bvh) else list(cast("Iterable[Any]", bvhs)) if isinstance(bvhs, Iterable) else []
+    if not structures or not all(isinstance(bvh, Bvh) for bvh in structures):
+        raise UsageError("bvhs: use a claray.Bvh, or a sequence of at least one")
+    if any(bvh.origin is not None for bvh in structures):
+        raise UsageError("bvhs: a structure with an origin cannot be placed; build it without")
+    return structures
 
 
 class InstancedBvh(Handle):
@@ -31,14 +40,20 @@ class InstancedBvh(Handle):
     argument, for wrong shapes, types and values.
     """
 
-    __slots__ = ("_count", "_device", "_native", "_queries")
+    __slots__ = ("_builder", "_count", "_device", "_given", "_native", "_only", "_queries")
     _instead_of_pickling = "build it in each process"
 
     def __init__(self, bvhs: Bvh | Sequence[Bvh], transforms: ArrayLike, *, bottoms: ArrayLike | None = None,
                  masks: ArrayLike | None = None, ends: ArrayLike | None = None, builder: str = "fast") -> None:
-        structures = [bvhs] if isinstance(bvhs, Bvh) else list(bvhs) if isinstance(bvhs, Iterable) else []
-        if not structures or not all(isinstance(bvh, Bvh) for bvh in structures):
-            raise UsageError("bvhs: use a claray.Bvh, or a sequence of at least one")
+        structures = _structures(bvhs)
+        self._device, self._builder = structures[0].device, builder_called(builder)
+        self._native = _native.NativeInstancedBvh.build(self._device._native, *self._placed(structures, transforms, ends, bottoms, masks))
+        self._note(structures, bottoms, masks)
+        self._queries: dict[Any, Any] = {}
+
+    def _placed(self, structures: list[Bvh], transforms: ArrayLike, ends: ArrayLike | None, bottoms: ArrayLike | None,
+                masks: ArrayLike | None) -> tuple[Any, ...]:
+        """What the native functions take, checked."""
         begin = rows_of("transforms", transforms)
         if len(begin) == 0:
             raise UsageError("transforms: empty; give at least one instance")
@@ -46,11 +61,12 @@ class InstancedBvh(Handle):
         if int(which.max(initial=0)) >= len(structures):
             raise UsageError(f"bottoms: holds {int(which.max())}, but bvhs has {len(structures)} structures")
         end = begin[:0] if ends is None else self._ends(ends, len(begin))
-        self._device = structures[0].device
-        self._native = _native.NativeInstancedBvh.build(self._device._native, [bvh._native for bvh in structures], begin, end,
-                                                        which, words("masks", masks, len(begin)), builder_called(builder))
-        self._count = len(begin)
-        self._queries: dict[Any, Any] = {}
+        return [bvh._native for bvh in structures], begin, end, which, words("masks", masks, len(begin)), self._builder
+
+    def _note(self, structures: list[Bvh], bottoms: ArrayLike | None, masks: ArrayLike | None) -> None:
+        """Several structures are copies on the device, and are not kept."""
+        self._only = structures[0] if len(structures) == 1 else None
+        self._count, self._given = self._native.count(), {"bottoms": bottoms is not None, "masks": masks is not None}
 
     @classmethod
     def of_scene(cls, scene: Scene, *, device: AnyDevice = None, builder: str = "automatic") -> InstancedBvh:
@@ -87,9 +103,27 @@ class InstancedBvh(Handle):
         """Moves the instances, (N, 4, 4) or (N, 3, 4) as before, and keeps the tree of the upper level."""
         self._move(transforms, ends, False)
 
-    def rebuild(self, transforms: ArrayLike, ends: ArrayLike | None = None) -> None:
-        """Moves the instances, and builds the upper level again. Takes over changes of a single structure, too."""
-        self._move(transforms, ends, True)
+    def rebuild(self, transforms: ArrayLike, ends: ArrayLike | None = None, *, bvhs: Bvh | Sequence[Bvh] | None = None,
+                bottoms: ArrayLike | None = None, masks: ArrayLike | None = None) -> None:
+        """Moves the instances, and builds the upper level again. Takes over changes of a single structure, too.
+
+        There may be more instances, or fewer. bottoms, masks: then of the new ones, if they were given before. bvhs: other structures; needed
+        for another number of instances of several structures, which are copied again. Queries made before trace the new instances.
+        """
+        given = rows_of("transforms", transforms)
+        if len(given) == self._count and bvhs is None and bottoms is None and masks is None:
+            self._move(given, ends, True)
+            return
+        if (ends is not None) != self.moves:
+            raise UsageError("ends: must be given if, and only if, it was given when the structure was built")
+        for name, value in (("bottoms", bottoms), ("masks", masks)):
+            if value is None and self._given[name]:
+                raise UsageError(f"{name}: was given before; give it for the new instances, too")
+        if bvhs is None and self._only is None:
+            raise UsageError("bvhs: must be given for other instances of several structures")
+        structures = [self._only] if bvhs is None and self._only is not None else _structures(bvhs)
+        self._native.replace(*self._placed(structures, given, ends, bottoms, masks))
+        self._note(structures, bottoms, masks)
 
     def statistics(self) -> dict[str, Any]:
         """Counts of instances and culled instances, height and SAH cost of the upper level, bytes of both levels."""

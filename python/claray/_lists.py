@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import HIT, MISS, finite, finite_vector, flag, integer, vectors, words
+from ._arrays import HIT, MISS, finite, finite_vector, flag, integer, local, vectors, words
 from ._bvh import Bvh, check_bvh
 from ._filter import Filter
 from ._query import native_filter, packed_rays
@@ -56,7 +56,7 @@ def count_hits(bvh: Bvh, origins: ArrayLike, directions: ArrayLike | None = None
     as often as there are triangles. Other arguments and errors are those of closest_hit.
     """
     check_bvh(bvh)
-    rays, shape = packed_rays(origins, directions, tmin, tmax, nan)
+    rays, shape = packed_rays(bvh, origins, directions, tmin, tmax, nan)
     results = np.zeros(len(rays), np.uint32)
     visible, accepted = words("masks", masks, shape), native_filter(filter)
     if len(rays):
@@ -75,7 +75,7 @@ def nearest_hits(bvh: Bvh, origins: ArrayLike, directions: ArrayLike | None = No
     """
     check_bvh(bvh)
     most = integer("most", most, 1, 2**32 - 1)
-    rays, shape = packed_rays(origins, directions, tmin, tmax, nan)
+    rays, shape = packed_rays(bvh, origins, directions, tmin, tmax, nan)
     hits, counts = np.empty((len(rays), most), HIT), np.zeros(len(rays), np.uint32)
     visible, accepted = words("masks", masks, shape), native_filter(filter)
     if len(rays):
@@ -97,7 +97,7 @@ def all_hits(bvh: Bvh, origins: ArrayLike, directions: ArrayLike | None = None, 
     4e9 hits.
     """
     check_bvh(bvh)
-    rays, shape = packed_rays(origins, directions, tmin, tmax, nan)
+    rays, shape = packed_rays(bvh, origins, directions, tmin, tmax, nan)
     visible, accepted = words("masks", masks, shape), native_filter(filter)
     if len(rays) == 0:
         return Lists(np.zeros(1, np.uint32), np.empty(0, HIT))
@@ -113,7 +113,7 @@ def box_overlaps(bvh: Bvh, lows: ArrayLike, highs: ArrayLike) -> Lists:
     numbers that are not finite.
     """
     check_bvh(bvh)
-    low, high = finite("lows", vectors("lows", lows)[0]), finite("highs", vectors("highs", highs)[0])
+    low, high = (finite(name, local(vectors(name, corners)[0], bvh._origin)) for name, corners in (("lows", lows), ("highs", highs)))
     if len(low) != len(high):
         raise UsageError(f"highs: has {len(high)} rows, but lows has {len(low)}")
     return _overlaps(_native.box_overlaps, bvh, np.hstack([low, high]))
@@ -126,7 +126,7 @@ def sphere_overlaps(bvh: Bvh, centers: ArrayLike, radii: ArrayLike) -> Lists:
     """
     check_bvh(bvh)
     given, shape = vectors("centers", centers)
-    places = finite("centers", given)
+    places = finite("centers", local(given, bvh._origin))
     return _overlaps(_native.sphere_overlaps, bvh, np.column_stack([places, finite_vector("radii", radii, shape)]))
 
 

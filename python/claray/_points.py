@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import NEAREST, Shape, check_choice, finite, number, output, vectors, words
+from ._arrays import NEAREST, NEAREST64, Shape, check_choice, finite, local, number, output, vectors, words
 from ._bvh import Bvh, check_bvh
 from ._handle import warn
 from .errors import UsageError
@@ -19,6 +19,7 @@ def _checked(bvh: Bvh, points: ArrayLike, nan: str) -> tuple[NDArray[np.float32]
     check_bvh(bvh)
     check_choice("nan", nan, ("raise", "miss"))
     given, shape = vectors("points", points)
+    given = local(given, bvh._origin)
     if nan == "raise":
         return finite("points", given), shape
     with np.errstate(over="ignore"):
@@ -54,16 +55,20 @@ def nearest_point(bvh: Bvh, points: ArrayLike, *, reach: float = np.inf, masks: 
 
     Returns N elements of dtype NEAREST: 'point' (3 numbers), 'distance', 'primitive' (index of the triangle), 'u', 'v'
     (weights of its second and third vertex) and 'geometry'. If nothing is in reach: the point itself, `reach` and MISS.
-    Distances are computed in float64; among equal float32 distances the lowest triangle is returned.
+    Of a structure with an origin the dtype is NEAREST64, whose points are float64. Distances are computed in float64; among equal float32 distances the lowest triangle is returned.
 
     Releases the GIL. Raises UsageError, naming the argument, for wrong shapes, types and values.
     """
     given, shape = _checked(bvh, points, nan)
     visible = words("masks", masks, shape)
-    results = output("out", out, shape, NEAREST)
+    results = output("out", out, shape, NEAREST if bvh._origin is None else NEAREST64)
+    found = results if bvh._origin is None else np.empty(shape, NEAREST)
     limit = _reach(reach)
     if len(given):
-        _native.nearest_point(bvh._native, given, limit, visible, results.reshape(-1).view(np.uint8).reshape(len(given), -1))
+        _native.nearest_point(bvh._native, given, limit, visible, found.reshape(-1).view(np.uint8).reshape(len(given), -1))
+    if bvh._origin is not None:
+        results[...] = found
+        results["point"] += bvh._origin
     return results
 
 

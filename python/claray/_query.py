@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import (HIT, INSTANCE_HIT, NO_FLOATS, RAY, Shape, as_array, check_choice, distances, flag, output, pointer,
-                      vectors, words)
+from ._arrays import (HIT, INSTANCE_HIT, NO_FLOATS, RAY, Origin, Shape, as_array, check_choice, distances, flag, local, origin_of, output,
+                      pointer, vectors, words)
 from ._bvh import Bvh
 from ._device import Device, Event, native_events
 from ._filter import NO_FILTER, Filter
@@ -38,7 +38,7 @@ class Query(Handle):
     and any_hit, without the structure: query(origins, directions).
     """
 
-    __slots__ = ("_dtype", "_moves", "_native", "_of")
+    __slots__ = ("_dtype", "_moves", "_native", "_of", "_origin")
     _instead_of_pickling = "make it in each process"
 
     def __init__(self, bvh: Structure, kind: Literal["closest", "any"] = "closest", *, cull_back_faces: bool = False,
@@ -46,6 +46,7 @@ class Query(Handle):
                  filter: Filter | None = None, queue: Device | None = None) -> None:
         _check_structure(bvh)
         self._of, self._moves = type(bvh), isinstance(bvh, InstancedBvh) and bvh.moves  # not bvh, which keeps queries
+        self._origin = origin_of_structure(bvh)
         self._refuse({"cull_back_faces": cull_back_faces, "closed": closed, "filter": filter, "queue": queue})
         if queue is not None and not isinstance(queue, Device):
             raise UsageError(f"queue: is {queue!r}; use a device made by bvh.device.with_new_queue()")
@@ -65,6 +66,7 @@ class Query(Handle):
         if directions is None:
             return self._trace_packed(origins, masks, times, nan, out)
         starts, towards, shape = _pair("origins", origins, "directions", directions)
+        starts = local(starts, self._origin)
         low, high = _ends(tmin, tmax, shape)
         per_ray = self._per_ray(masks, times, shape)
         results = output("out", out, shape, self._dtype)
@@ -94,6 +96,7 @@ class Query(Handle):
     def _trace_packed(self, rays: ArrayLike, masks: ArrayLike | None, times: ArrayLike | None, nan: str,
                       out: NDArray[Any] | None) -> NDArray[Any]:
         check = nan == "raise" and not getattr(rays, "_checked", False)
+        _check_origin(rays, self._origin)
         packed, shape = _packed(rays)
         per_ray = self._per_ray(masks, times, shape)
         results = output("out", out, shape, self._dtype)
@@ -198,35 +201,50 @@ class Rays(np.ndarray):
     """Rays of dtype RAY that rays() has checked, which is why the array is read-only. A copy is an ordinary array."""
 
     _checked = False
+    _origin: Origin = None
 
     def __array_finalize__(self, source: Any) -> None:
         self._checked = isinstance(source, Rays) and source._checked and self.base is not None
+        self._origin = source._origin if isinstance(source, Rays) else None
+
+
+def origin_of_structure(bvh: Any) -> Origin:
+    return bvh._origin if isinstance(bvh, Bvh) else None
+
+
+def _check_origin(rays: Any, origin: Origin) -> None:
+    """Of rays in one array, which are not shifted. Those of another program are taken to be local."""
+    if isinstance(rays, Rays) and not np.array_equal(*(np.zeros(3) if one is None else one for one in (rays._origin, origin))):
+        raise UsageError("rays: have another origin than the structure; pass origin=bvh.origin to claray.rays")
 
 
 def rays(origins: ArrayLike, directions: ArrayLike, tmin: ArrayLike = 0.0, tmax: ArrayLike = np.inf, *,
-         nan: Literal["raise", "miss"] = "raise") -> Rays:
+         nan: Literal["raise", "miss"] = "raise", origin: ArrayLike | None = None) -> Rays:
     """A read-only array of dtype RAY, which queries read in place: for rays that are traced several times.
 
-    The arguments are those of closest_hit. They are checked here, once.
+    The arguments are those of closest_hit. They are checked here, once. origin: bvh.origin of the structure that they are for.
     """
     check_choice("nan", nan, ("raise", "miss"))
+    shift = origin_of(origin, np.empty((0, 3)))
     starts, towards, shape = _pair("origins", origins, "directions", directions)
+    starts = local(starts, shift)
     low, high = _ends(tmin, tmax, shape)
     packed = np.empty(shape, RAY)
     if packed.size:
         _refuse_bad(_native.pack_rays(starts, towards, low, high, _packed(packed)[0]), starts, nan)
     packed.flags.writeable = False
     result = packed.view(Rays)
-    result._checked = True
+    result._checked, result._origin = True, shift
     return result
 
 
-def packed_rays(origins: ArrayLike, directions: ArrayLike | None, tmin: ArrayLike, tmax: ArrayLike,
+def packed_rays(bvh: Bvh, origins: ArrayLike, directions: ArrayLike | None, tmin: ArrayLike, tmax: ArrayLike,
                 nan: str) -> tuple[NDArray[np.float32], Shape]:
     """Rays as float32 of shape (N, 8), checked, and the shape of the results."""
     if directions is not None:
-        return _packed(rays(origins, directions, tmin, tmax, nan=nan))  # type: ignore[arg-type]
+        return _packed(rays(origins, directions, tmin, tmax, nan=nan, origin=bvh._origin))  # type: ignore[arg-type]
     check_choice("nan", nan, ("raise", "miss"))
+    _check_origin(origins, bvh._origin)
     packed, shape = _packed(origins)
     if nan == "raise" and not getattr(origins, "_checked", False):
         bad = np.flatnonzero(~np.isfinite(packed[:, [0, 1, 2, 4, 5, 6]]).all(axis=1))
@@ -255,7 +273,8 @@ def closest_hit(bvh: Structure, origins: ArrayLike, directions: ArrayLike | None
 
     bvh: a Bvh, InstancedBvh or Primitives.
     origins: (N, 3) numbers, or (3,) for all rays; or rays in one array of dtype RAY, which is read in place. Any
-    strides; float64 is rounded to float32. directions: (N, 3) or (3,); they need not have unit length. Rays may be in
+    strides; float64 is rounded to float32, relative to bvh.origin if there is one. directions: (N, 3) or (3,); they need not
+    have unit length. Rays may be in
     any shape, such as (H, W, 3); results, and what is given for each ray, then have the shape (H, W).
     tmin, tmax: hits have tmin < t <= tmax, in units of the direction's length; one number, or (N,).
     masks: (N,) a ray sees geometries whose mask shares a bit with its own.

@@ -34,32 +34,57 @@ std::vector<Instance> instances_of(const Transforms& transforms, const Words& bo
     return instances;
 }
 
+struct Placed {
+    std::vector<Instance> begin;
+    InstancedBvh bvh;
+};
+
+/// `ends` is empty for structures without motion. With the device's lock.
+Placed placed(const std::vector<PyBvh>& structures, const Transforms& transforms, const Transforms& ends,
+              const Words& bottoms, const Words& masks, Builder builder) {
+    std::vector<Bvh> shared;
+    for (const PyBvh& structure : structures) shared.push_back(structure.bvh);
+    const InstancedBvh::Config config{builder, 63};
+    std::vector<Instance> begin = instances_of(transforms, bottoms, masks);
+    InstancedBvh bvh = ends.size() == 0
+                           ? InstancedBvh::build(shared, begin, config)
+                           : InstancedBvh::build(shared, begin, instances_of(ends, bottoms, masks), config);
+    return {std::move(begin), std::move(bvh)};
+}
+
 PyInstancedBvh build(const PyDevice& device, const std::vector<PyBvh>& structures, const Transforms& transforms,
                      const Transforms& ends, const Words& bottoms, const Words& masks, const std::string& builder) {
     const Builder by = config_of(builder).builder;
     return without_gil(device, [&] {
-        std::vector<Bvh> shared;
-        for (const PyBvh& structure : structures) shared.push_back(structure.bvh);
-        const InstancedBvh::Config config{by, 63};
-        const std::vector<Instance> begin = instances_of(transforms, bottoms, masks);
-        if (ends.size() == 0)
-            return PyInstancedBvh{device, InstancedBvh::build(shared, begin, config), std::move(begin)};
-        const std::vector<Instance> end = instances_of(ends, bottoms, masks);
-        return PyInstancedBvh{device, InstancedBvh::build(shared, begin, end, config), std::move(begin)};
+        Placed made = placed(structures, transforms, ends, bottoms, masks, by);
+        return PyInstancedBvh{device, std::make_shared<CurrentInstances>(CurrentInstances{std::move(made.bvh), 0}),
+                              std::move(made.begin)};
+    });
+}
+
+/// Takes other instances, in any number.
+void replace(PyInstancedBvh& self, const std::vector<PyBvh>& structures, const Transforms& transforms,
+             const Transforms& ends, const Words& bottoms, const Words& masks, const std::string& builder) {
+    const Builder by = config_of(builder).builder;
+    without_gil(self.device, [&] {
+        Placed made = placed(structures, transforms, ends, bottoms, masks, by);
+        self.current->bvh = std::move(made.bvh);
+        ++self.current->replaced;
+        self.instances = std::move(made.begin);
     });
 }
 
 /// Moves all instances; `ends` is empty for structures without motion.
 void move(PyInstancedBvh& self, const Transforms& transforms, const Transforms& ends, bool rebuild) {
     without_gil(self.device, [&] {
-        Buffer<Instance> at_end = self.bvh.ends(), at_begin = self.bvh.instances();
+        Buffer<Instance> at_end = self.current->bvh.ends(), at_begin = self.current->bvh.instances();
         if (ends.size() != 0) {
             place(self.instances, ends);
             at_end.write(self.instances);
         }
         place(self.instances, transforms);
         at_begin.write(self.instances);
-        rebuild ? self.bvh.rebuild() : self.bvh.refit();
+        rebuild ? self.current->bvh.rebuild() : self.current->bvh.refit();
     });
 }
 
@@ -90,7 +115,7 @@ nb::tuple flatten_levels(const Level& roots, const std::vector<Level>& groups, s
 }
 
 nb::dict statistics(const PyInstancedBvh& self) {
-    const InstanceStatistics s = without_gil(self.device, [&] { return self.bvh.statistics(); });
+    const InstanceStatistics s = without_gil(self.device, [&] { return self.current->bvh.statistics(); });
     nb::dict dict;
     dict["instances"] = s.instances;
     dict["culled"] = s.culled;
@@ -108,10 +133,12 @@ void bind_instances(nb::module_& module) {
     nb::class_<PyInstancedBvh>(module, "NativeInstancedBvh")
         .def_static("build", &build)
         .def("move", &move)
-        .def("moves", [](const PyInstancedBvh& self) { return self.bvh.ends().allocated(); })
+        .def("replace", &replace)
+        .def("count", [](const PyInstancedBvh& self) { return self.instances.size(); })
+        .def("moves", [](const PyInstancedBvh& self) { return self.current->bvh.ends().allocated(); })
         .def("statistics", &statistics)
         .def("is_valid", [](const PyInstancedBvh& self) {
-            return without_gil(self.device, [&] { return self.bvh.validate().ok(); });
+            return without_gil(self.device, [&] { return self.current->bvh.validate().ok(); });
         });
 }
 

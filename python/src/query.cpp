@@ -29,7 +29,9 @@ struct PyQuery {
     Kept<Structure> structure;
     QueryKind kind = QueryKind::closest;
     Kept<QueryOptions> options;
-    Kept<std::optional<Query>> query;  // none for primitives
+    Kept<std::optional<Query>> query;                      // none for primitives
+    std::shared_ptr<const CurrentInstances> follows = {};  // of instances that come and go
+    unsigned replaced = 0;
 };
 
 std::optional<Query> query_over(const Structure& structure, QueryKind kind, const QueryOptions& options,
@@ -40,8 +42,16 @@ std::optional<Query> query_over(const Structure& structure, QueryKind kind, cons
 }
 
 Structure structure_of(const PyBvh& of) { return of.bvh; }
-Structure structure_of(const PyInstancedBvh& of) { return of.bvh; }
+Structure structure_of(const PyInstancedBvh& of) { return of.current->bvh; }
 Structure structure_of(const PyPrimitives& of) { return of.primitives; }
+
+/// Takes the structure that is traced now, where it was replaced.
+void follow(PyQuery& self) {
+    if (!self.follows || self.follows->replaced == self.replaced) return;
+    self.replaced = self.follows->replaced;
+    self.structure = Structure(self.follows->bvh);
+    self.query = query_over(self.structure, self.kind, self.options, self.device.device);
+}
 
 template <class Of>
 PyQuery make_query(const Of& of, const PyDevice& queue, bool any, bool cull_back_faces, bool closed, bool brute_force,
@@ -55,7 +65,10 @@ PyQuery make_query(const Of& of, const PyDevice& queue, bool any, bool cull_back
     return without_gil(queue, [&] {
         options.filter = filter_of(queue.device, filter);
         const Structure structure = structure_of(of);
-        return PyQuery{queue, structure, kind, options, query_over(structure, kind, options, queue.device)};
+        PyQuery query{queue, structure, kind, options, query_over(structure, kind, options, queue.device)};
+        if constexpr (std::is_same_v<Of, PyInstancedBvh>)
+            query.follows = of.current, query.replaced = of.current->replaced;
+        return query;
     });
 }
 
@@ -141,6 +154,7 @@ std::int64_t run_columns(PyQuery& self, const AnyColumns& origins, const AnyColu
     const RayColumns columns{columns_of(origins), columns_of(directions), ends_of(tmin), ends_of(tmax)};
     const std::size_t count = out.shape(0);
     return without_gil(self.device, [&] {
+        follow(self);
         std::size_t bad = all_finite;
         std::vector<Ray>& scratch = *self.device.scratch;
         if (scratch.size() < std::min(count, most_rays_at_once)) scratch.resize(std::min(count, most_rays_at_once));
@@ -165,6 +179,7 @@ std::int64_t run_packed(PyQuery& self, const PackedRays& rays, const Words& mask
                         const Bytes& out, bool check) {
     const std::span<const Ray> all = span_of<Ray>(rays, 8);
     return without_gil(self.device, [&] {
+        follow(self);
         const std::size_t bad = check ? first_not_finite(all) : all_finite;
         if (bad == all_finite) run_piece(self, all, {masks, times}, out, 0);
         return signed_row(bad);
@@ -175,6 +190,7 @@ std::int64_t run_packed(PyQuery& self, const PackedRays& rays, const Words& mask
 PyEvent run_buffers(PyQuery& self, std::uintptr_t rays, std::uintptr_t results, std::size_t count,
                     const std::vector<PyEvent>& wait_for) {
     return without_gil(self.device, [&] {
+        follow(self);
         const Device& device = self.device.device;
         const auto device_rays = Buffer<Ray>::adopt(device, reinterpret_cast<cl_mem>(rays), count);
         return with_result(self, [&](auto result) {

@@ -12,9 +12,15 @@ struct PyPrimitives {
     Kept<Primitives> primitives;
 };
 
+/// A structure that is replaced when instances are added or removed. Queries follow it.
+struct CurrentInstances {
+    Kept<InstancedBvh> bvh;
+    unsigned replaced = 0;  // so many times
+};
+
 struct PyInstancedBvh {
     PyDevice device;
-    Kept<InstancedBvh> bvh;
+    std::shared_ptr<CurrentInstances> current;
     std::vector<Instance> instances;  // as they were given, for moves
 };
 
