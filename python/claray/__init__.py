@@ -11,6 +11,7 @@ from . import _loader, _native, errors  # the loader first: it finds what the ex
 from ._accuracy import Study, accuracy, studies
 from ._arrays import HIT, INSTANCE_HIT, MISS, NEAREST, NEAREST64, RAY
 from ._bake import bake_light_map, render_probe
+from ._benchmark import Benchmark, benchmark
 from ._bvh import Bvh
 from ._device import Device, Event, default_device, devices
 from ._explain import explain
@@ -35,14 +36,13 @@ del _loader
 __version__: str = _native.version
 
 __all__ = [
-    "GBUFFER", "HIT", "INSTANCE_HIT", "MISS", "NEAREST", "NEAREST64", "RAY", "Bvh", "BvhOptions", "Camera", "Device", "DeviceError",
-    "Environment", "Error", "Event", "Filter", "FlatInstances", "GBuffer", "Image", "ImageError", "InputError",
-    "InstancedBvh", "Instances", "Light", "LightGridOptions", "LightMapOptions", "Lists", "LoadOptions", "Material",
-    "Primitives", "Query", "Rays", "RenderOptions", "RenderProgress", "RenderStatistics", "Renderer", "Scene", "Study",
-    "Texture", "TextureUse", "UsageError", "accuracy", "add_bsdf", "all_hits", "animation_seconds", "any_hit",
-    "approximation_error", "bake_light_map", "box_overlaps", "builtin_scenes", "closest_hit", "compile_kernels",
+    "GBUFFER", "HIT", "INSTANCE_HIT", "MISS", "NEAREST", "NEAREST64", "RAY", "Benchmark", "Bvh", "BvhOptions", "Camera",
+    "Device", "DeviceError", "Environment", "Error", "Event", "Filter", "FlatInstances", "GBuffer", "Image", "ImageError",
+    "InputError", "InstancedBvh", "Instances", "Light", "LightGridOptions", "LightMapOptions", "Lists", "LoadOptions",
+    "Material", "Primitives", "Query", "Rays", "RenderOptions", "RenderProgress", "RenderStatistics", "Renderer", "Scene",
+    "Study", "Texture", "TextureUse", "UsageError", "accuracy", "add_bsdf", "all_hits", "animation_seconds", "any_hit",
+    "approximation_error", "bake_light_map", "benchmark", "box_overlaps", "builtin_scenes", "closest_hit", "compile_kernels",
     "count_hits", "default_device", "devices", "errors", "explain", "false_color", "flatten", "geometry_range",
     "identifier_color", "image_error", "inside", "load", "nearest_hits", "nearest_point", "prepare", "rays", "render",
-    "render_probe", "signed_distance", "sphere_overlaps", "studies", "tell_compiling", "unoccluded", "verify",
-    "verify_cases",
+    "render_probe", "signed_distance", "sphere_overlaps", "studies", "tell_compiling", "unoccluded", "verify", "verify_cases",
 ]
