@@ -1,4 +1,5 @@
 #include "host/trace/ray_order.hpp"
+#include "claray/shared/ray_samples.h"
 #include "host/bvh/bvh_state.hpp"
 
 namespace claray {
@@ -23,10 +24,9 @@ bool RayOrder::has_none(const Bvh& bvh, const Buffer<Ray>& rays, std::uint32_t c
     return answer_.read()[0] != 0;
 }
 
-/// At multiples of the golden ratio, as in kernels/trace/queue/scattered.clh.
 const Buffer<std::uint32_t>& RayOrder::sample(std::uint32_t count, std::uint32_t size) {
     std::vector<std::uint32_t> indices(size);
-    for (std::uint32_t i = 0; i < size; ++i) indices[i] = std::uint32_t(std::uint64_t(count) * (i * 0x9e3779b9u) >> 32);
+    for (std::uint32_t i = 0; i < size; ++i) indices[i] = place_of_sample(i, count);
     sample_.reserve(device_, size);
     sample_.write(std::span<const std::uint32_t>(indices));
     return sample_;

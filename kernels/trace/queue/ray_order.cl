@@ -1,7 +1,7 @@
 // Sort keys for rays in any order, so that neighbouring rays have similar origins and directions: the origin's cell of the scene's
 // box along Morton's curve, then the direction's cell of the octahedral map.
+#include "claray/shared/ray_samples.h"
 #include "trace/packets/columns.clh"
-#include "trace/queue/scattered.clh"
 
 #define RAYS_PER_ITEM 1024
 #define START_BITS 5      // per axis
@@ -49,7 +49,7 @@ kernel void sample_order(global const BvhHeader* header, global const Ray* rays,
     const float near = NEAR * max(max(header->hix - header->lox, header->hiy - header->loy), header->hiz - header->loz);
     uint unlike = 0;
     for (uint sample = 0; count > 1 && sample < SAMPLES; ++sample) {
-        const uint i = scattered(sample, count - 1u);
+        const uint i = place_of_sample(sample, count - 1u);
         const Ray a = rays[i], b = rays[i + 1];
         const float3 p = (float3)(a.dx, a.dy, a.dz), q = (float3)(b.dx, b.dy, b.dz);
         const float along = dot_product(p, q), apart = max(max(fabs(a.ox - b.ox), fabs(a.oy - b.oy)), fabs(a.oz - b.oz));
