@@ -115,7 +115,16 @@ kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
 void find_returns(MOVERS_PARAMETERS SensorSettings settings, global const SensorPose* poses, global const SensorBeam* beams,
                   global const BeamRay* beam_rays, global const Ray* rays, global const Hit* hits, global const SensorTriangle* triangles,
                   global const SensorPlace* places, global const float* reflectances, global SensorReturn* returns) {
-    const World world = {triangles, places, settings.fixed_places};
+    World world;
+    world.triangles = triangles, world.places = places, world.fixed_places = settings.fixed_places;
+#if MOVERS && BEAMS_PER_ITEM > 1
+    const uint all = settings.sensors * settings.beams, first = (uint)get_global_id(0) * BEAMS_PER_ITEM;
+    const uint from = min(first, all) * RAYS_PER_BEAM, to = min(first + BEAMS_PER_ITEM, all) * RAYS_PER_BEAM;
+    const Sheaf sheaf = sheaf_of(rays + from, FIXED ? hits + from : 0, to - from);
+    PossibleMovers possible;
+    find_possible_movers(CLARAY_INSTANCES, &sheaf, &possible);
+    world.possible = &possible;
+#endif
     FOR_EACH_BEAM(i, settings) {
         const uint sensor = i / settings.beams, number = i - sensor * settings.beams, seed = seed_of_scan(&settings, sensor);
         const SensorBeam beam = beams[number];

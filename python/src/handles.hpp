@@ -76,6 +76,7 @@ void bind_points(nb::module_& module);
 void bind_lists(nb::module_& module);
 void bind_primitives(nb::module_& module);
 void bind_instances(nb::module_& module);
+void bind_sensors(nb::module_& module);
 void bind_records(nb::module_& module);
 void bind_scene(nb::module_& module);
 void bind_textures(nb::module_& module);

@@ -17,6 +17,7 @@ NB_MODULE(_native, module) {
     bind_records(module);
     bind_scene(module);
     bind_render_config(module);
+    bind_sensors(module);
     bind_renderer(module);
     bind_bake(module);
     bind_explain(module);
