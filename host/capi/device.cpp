@@ -67,8 +67,8 @@ std::vector<std::string> names_of_list(const std::string& list) {
     }
     const std::string all = to_string(all_approximations());
     if (list == "approximations")
-        for (std::size_t begin = 0, end; begin < all.size(); begin = end + 2) {
-            end = std::min(all.find(", ", begin), all.size());
+        for (std::size_t begin = 0, end; begin < all.size(); begin = end + 1) {
+            end = std::min(all.find(',', begin), all.size());
             names.push_back(all.substr(begin, end - begin));
         }
     else if (list == "effects")

@@ -49,6 +49,10 @@ void fill_layer(Renderer& renderer, const std::string& name, void* values, std::
     });
 }
 
+void check_size(std::uint32_t width, std::uint32_t height) {
+    if (width == 0 || height == 0) refuse((width == 0 ? "width" : "height") + std::string(" is 0"));
+}
+
 Image image_of(const float* rgb, std::uint32_t width, std::uint32_t height) {
     const auto pixels = pixels_of(rgb, std::size_t(width) * height, "rgb");
     return {width, height, {pixels.begin(), pixels.end()}};
@@ -195,7 +199,7 @@ claray_status claray_write_image(const char* path, const float* rgb, uint32_t wi
                                  const claray_picture_config* config) {
     return guarded([&] {
         const PictureConfig known = picture_config_of(config);
-        if (width == 0 || height == 0) refuse((width == 0 ? "width" : "height") + std::string(" is 0"));
+        check_size(width, height);
         write_image(&required(path, "path"), image_of(rgb, width, height), known.exposure, known.tone_map);
     });
 }
@@ -239,6 +243,7 @@ claray_status claray_identifier_color(const uint32_t* numbers, size_t count, flo
 claray_status claray_image_compare(const float* rgb, const float* reference, uint32_t width, uint32_t height,
                                    claray_image_error* error) {
     return guarded([&] {
+        check_size(width, height);
         const std::size_t pixels = std::size_t(width) * height;
         const ImageError known =
             image_error(pixels_of(rgb, pixels, "rgb"), pixels_of(reference, pixels, "reference"), width);

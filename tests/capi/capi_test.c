@@ -1,31 +1,13 @@
 /* claray.h, from C: results, errors, versions of structs, and that handles may be released in any order. */
-#include <CL/cl.h>
-#include <claray.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include "capi_test.h"
 
-static int failures = 0;
-
-#define EXPECT(condition)                                                                               \
-    do {                                                                                                \
-        if (!(condition)) {                                                                             \
-            printf("%s:%d: %s; last error: %s\n", __FILE__, __LINE__, #condition, claray_last_error()); \
-            ++failures;                                                                                 \
-        }                                                                                               \
-    } while (0)
-#define EXPECT_ERROR(call, status, words)                     \
-    do {                                                      \
-        EXPECT((call) == (status));                           \
-        EXPECT(strstr(claray_last_error(), (words)) != NULL); \
-    } while (0)
+int failures = 0;
 
 /* A square of two triangles in the plane z = 0. */
 static const float square[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
 static const uint32_t halves[] = {0, 1, 2, 0, 2, 3};
 
-static claray_mesh square_mesh(void) {
+claray_mesh square_mesh(void) {
     claray_mesh mesh = {0};
     mesh.struct_size = sizeof mesh;
     mesh.vertices = square, mesh.vertex_count = 4;
@@ -238,7 +220,7 @@ static void test_buffers(claray_device* device) {
 }
 
 /* A tetrahedron with three edges of length 1 along the axes; counter-clockwise from outside. */
-static claray_bvh* corner_of(claray_device* device) {
+claray_bvh* corner_of(claray_device* device) {
     static const float corners[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
     static const uint32_t faces[] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
     claray_mesh mesh = {0};
@@ -605,14 +587,7 @@ static void test_scene_primitives(claray_device* device) {
     claray_renderer_release(renderer), claray_scene_release(scene);
 }
 
-int main(void) {
-    claray_device* device = NULL;
-    EXPECT(strcmp(claray_last_error(), "") == 0);
-    if (claray_device_open(getenv("CLARAY_DEVICE") ? NULL : "cpu", &device) != CLARAY_OK) {
-        printf("%s\n", claray_last_error());
-        return 1;
-    }
-    EXPECT(strlen(claray_device_name(device)) > 0);
+static void test_basics(claray_device* device) {
     test_queries(device);
     test_closed(device);
     test_builders(device);
@@ -629,6 +604,28 @@ int main(void) {
     test_errors(device);
     test_render(device);
     test_scene_primitives(device);
+}
+
+/* Arguments: names of groups of tests; none: all. */
+int main(int argc, char** argv) {
+    static const struct {
+        const char* name;
+        void (*run)(claray_device* device);
+    } groups[] = {{"basics", test_basics},   {"devices", test_devices}, {"queries", test_more_queries},
+                  {"scenes", test_scenes},   {"renders", test_renders}, {"results", test_results},
+                  {"targets", test_targets}, {"bsdf", test_bsdf}};
+    claray_device* device = NULL;
+    EXPECT(strcmp(claray_last_error(), "") == 0);
+    if (claray_device_open(getenv("CLARAY_DEVICE") ? NULL : "cpu", &device) != CLARAY_OK) {
+        printf("%s\n", claray_last_error());
+        return 1;
+    }
+    EXPECT(strlen(claray_device_name(device)) > 0);
+    for (size_t i = 0; i < sizeof groups / sizeof *groups; ++i) {
+        int wanted = argc < 2;
+        for (int k = 1; k < argc; ++k) wanted |= strcmp(argv[k], groups[i].name) == 0;
+        if (wanted) groups[i].run(device);
+    }
     EXPECT(claray_device_finish(device) == CLARAY_OK);
     claray_device_release(device);
     claray_device_release(NULL), claray_bvh_release(NULL), claray_query_release(NULL);
