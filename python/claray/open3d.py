@@ -19,7 +19,7 @@ from ._arrays import MISS, Shape, as_array, indices, number, places, vectors
 from ._bvh import Bvh
 from ._device import device_of
 from ._lists import all_hits, count_hits
-from ._points import nearest_point
+from ._points import inside, nearest_point
 from ._query import any_hit, closest_hit
 from .errors import UsageError
 
@@ -57,7 +57,10 @@ class RaycastingScene:
     def add_triangles(self, vertex_positions: Any, triangle_indices: Any) -> int: ...
 
     @overload
-    def add_triangles(self, mesh: Any) -> int: ...
+    def add_triangles(self, mesh: Any, /) -> int: ...
+
+    @overload
+    def add_triangles(self, *, mesh: Any) -> int: ...
 
     def add_triangles(self, vertex_positions: Any = None, triangle_indices: Any = None, *, mesh: Any = None) -> int:
         """Adds a mesh, which is copied, and returns its geometry ID. The structure is built at the next query.
@@ -66,8 +69,8 @@ class RaycastingScene:
         """
         if triangle_indices is None:
             vertex_positions, triangle_indices = _arrays_of(vertex_positions if mesh is None else mesh)
-        corners = places("vertex_positions", vertex_positions, nan="omit").copy()
-        faces = indices("triangle_indices", triangle_indices, 3, len(corners), "vertex_positions").copy()
+        corners = places("vertex_positions", _host("vertex_positions", vertex_positions), nan="omit").copy()
+        faces = indices("triangle_indices", _host("triangle_indices", triangle_indices), 3, len(corners), "vertex_positions").copy()
         self._meshes.append((corners, faces))
         self._built = None
         return len(self._meshes) - 1
@@ -79,7 +82,7 @@ class RaycastingScene:
         Returns t_hit (...), inf on a miss; geometry_ids and primitive_ids (...), INVALID_ID on a miss; primitive_uvs
         (..., 2), the weights of the second and third vertex; primitive_normals (..., 3), of unit length, or 0 on a miss.
         """
-        given, shape = vectors("rays", rays, 6)
+        given, shape = vectors("rays", _host("rays", rays), 6)
         structure = self._structure
         hits = closest_hit(structure.bvh, given[:, :3], given[:, 3:], closed=True, nan="miss")
         return _in_kind({"t_hit": hits["t"], **structure.places_of(hits), "primitive_normals": structure.normals_of(hits)},
@@ -87,7 +90,7 @@ class RaycastingScene:
 
     def test_occlusions(self, rays: Any, tnear: float = 0.0, tfar: float = np.inf, nthreads: int = 0) -> Any:
         """Whether each ray of (..., 6) hits anything between tnear and tfar, as bool (...)."""
-        given, shape = vectors("rays", rays, 6)
+        given, shape = vectors("rays", _host("rays", rays), 6)
         near, far = number("tnear", tnear), number("tfar", tfar)
         if not near >= 0:
             raise UsageError(f"tnear: is {near}; use 0 or more")
@@ -96,7 +99,7 @@ class RaycastingScene:
 
     def count_intersections(self, rays: Any, nthreads: int = 0) -> Any:
         """How many times each ray of (..., 6) crosses a surface, as int32 (...). A crossing at an edge or a vertex counts once."""
-        given, shape = vectors("rays", rays, 6)
+        given, shape = vectors("rays", _host("rays", rays), 6)
         counts = count_hits(self._structure.bvh, given[:, :3], given[:, 3:], nan="miss")
         return _maker(rays)(counts.astype(np.int32).reshape(shape))
 
@@ -106,7 +109,7 @@ class RaycastingScene:
         Returns ray_splits (R + 1,): the crossings of ray i are ray_splits[i] to ray_splits[i + 1] - 1 of the others:
         ray_ids, t_hit, geometry_ids, primitive_ids (C,), and primitive_uvs (C, 2), as of cast_rays.
         """
-        given, _ = vectors("rays", rays, 6)
+        given, _ = vectors("rays", _host("rays", rays), 6)
         structure = self._structure
         lists = all_hits(structure.bvh, given[:, :3], given[:, 3:], nan="miss")
         found = {"ray_ids": lists.queries.astype(np.uint32), "t_hit": lists.elements["t"], **structure.places_of(lists.elements)}
@@ -117,7 +120,7 @@ class RaycastingScene:
 
         Returns points (..., 3), and geometry_ids, primitive_ids, primitive_uvs and primitive_normals as of cast_rays.
         """
-        given, shape = vectors("query_points", query_points)
+        given, shape = vectors("query_points", _host("query_points", query_points))
         structure = self._structure
         near = nearest_point(structure.bvh, given, nan="miss")
         return _in_kind({"points": near["point"], **structure.places_of(near), "primitive_normals": structure.normals_of(near)},
@@ -125,14 +128,14 @@ class RaycastingScene:
 
     def compute_distance(self, query_points: Any, nthreads: int = 0) -> Any:
         """The distance of each point of (..., 3) to the surfaces, as float32 (...); inf if there are none."""
-        given, shape = vectors("query_points", query_points)
+        given, shape = vectors("query_points", _host("query_points", query_points))
         return _maker(query_points)(self._distance(given).reshape(shape))
 
     def compute_signed_distance(self, query_points: Any, nthreads: int = 0, nsamples: int = 1) -> Any:
         """As compute_distance, but negative where compute_occupancy is 1."""
-        given, shape = vectors("query_points", query_points)
-        inside = self._inside(given, nsamples)
-        return _maker(query_points)(np.where(inside, np.float32(-1), np.float32(1)).reshape(shape) * self._distance(given).reshape(shape))
+        given, shape = vectors("query_points", _host("query_points", query_points))
+        sign = np.where(self._inside(given, nsamples), np.float32(-1), np.float32(1))
+        return _maker(query_points)((sign * self._distance(given)).reshape(shape))
 
     def compute_occupancy(self, query_points: Any, nthreads: int = 0, nsamples: int = 1) -> Any:
         """Whether each point of (..., 3) is inside of the closed surfaces, as float32 (...), 0 or 1.
@@ -140,7 +143,7 @@ class RaycastingScene:
         A point is inside if a ray from it crosses the surfaces an odd number of times, which is counted exactly.
         nsamples: of so many rays, an odd number, the majority decides. One is enough unless surfaces have holes.
         """
-        given, shape = vectors("query_points", query_points)
+        given, shape = vectors("query_points", _host("query_points", query_points))
         return _maker(query_points)(self._inside(given, nsamples).astype(np.float32).reshape(shape))
 
     @overload
@@ -174,8 +177,12 @@ class RaycastingScene:
         if not isinstance(nsamples, (int, np.integer)) or nsamples < 1 or nsamples % 2 == 0:
             raise UsageError(f"nsamples: is {nsamples!r}; use a positive odd number")
         bvh = self._structure.bvh
-        odd = [count_hits(bvh, points, towards, nan="miss") & 1 for towards in _directions(int(nsamples))]
-        return np.sum(odd, axis=0) > nsamples // 2
+        if bvh.is_closed:  # all rays agree
+            return inside(bvh, points, nan="miss")
+        odd = np.zeros(len(points), np.int64)
+        for towards in _directions(int(nsamples)):
+            odd += count_hits(bvh, points, towards, nan="miss") & 1
+        return odd > nsamples // 2
 
 
 class _Structure:
@@ -204,14 +211,15 @@ class _Structure:
 
     def normals_of(self, hits: NDArray[Any]) -> NDArray[np.float32]:
         """Unit normals of triangles; 0 for MISS, which is the last row for take()."""
-        if self._normals is None:
+        normals = self._normals
+        if normals is None:
             corners = self._vertices.astype(np.float64)[self._triangles]
             with np.errstate(invalid="ignore", over="ignore"):  # of triangles that are not finite
-                normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-                lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-                unit = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0)
-            self._normals = np.vstack([unit, np.zeros(3)]).astype(np.float32)
-        return self._normals.take(hits["primitive"], axis=0, mode="clip")
+                areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+                lengths = np.linalg.norm(areas, axis=1, keepdims=True)
+                unit = np.divide(areas, lengths, out=np.zeros_like(areas), where=lengths > 0)
+            self._normals = normals = np.vstack([unit, np.zeros(3)]).astype(np.float32)
+        return normals.take(hits["primitive"], axis=0, mode="clip")
 
 
 def install() -> None:
@@ -235,12 +243,20 @@ def _arrays_of(mesh: Any) -> tuple[Any, Any]:
         raise UsageError(f"mesh: is a {type(mesh).__name__}; give an open3d.t.geometry.TriangleMesh, or positions and indices") from None
 
 
+def _host(name: str, value: Any) -> Any:
+    """A tensor of Open3D as the NumPy array that shares its memory; NumPy's from_dlpack takes 1 s for a million rays."""
+    if not hasattr(type(value), "from_numpy"):
+        return value
+    try:
+        return value.numpy()
+    except RuntimeError as error:
+        raise UsageError(f"{name}: not in host memory ({error}); copy it there by cpu()") from None
+
+
 def _maker(*arguments: Any) -> Callable[[NDArray[Any]], Any]:
     """What turns a contiguous array into a result of the arguments' kind."""
-    for value in arguments:
-        if hasattr(type(value), "from_numpy"):  # open3d.core.Tensor
-            return type(value).from_numpy  # type: ignore[no-any-return]
-    return lambda array: array.view(Array)
+    makers = (getattr(type(value), "from_numpy", None) for value in arguments)  # that of open3d.core.Tensor
+    return next(filter(None, makers), lambda array: array.view(Array))
 
 
 def _in_kind(arrays: dict[str, NDArray[Any]], shape: Shape, argument: Any) -> dict[str, Any]:
@@ -256,7 +272,7 @@ def _directions(count: int) -> NDArray[np.float32]:
 
 
 def _numbers(name: str, value: ArrayLike, shape: Shape) -> NDArray[np.float64]:
-    array = as_array(name, value)
+    array = as_array(name, _host(name, value))
     if array.shape != shape or array.dtype.kind not in "fiu":
         raise UsageError(f"{name}: has dtype {array.dtype} and shape {array.shape}; use numbers of shape {shape}")
     return array.astype(np.float64)

@@ -125,7 +125,8 @@ class _Geometry:
     @cached_property
     def vertices(self) -> NDArray[np.int64]:
         """The numbers of the faces' vertices (T, 3), where vertices at one place are one."""
-        return np.unique(self.corners + np.float32(0), axis=0, return_inverse=True)[1].reshape(-1)[self.faces]  # -0 is 0
+        number: NDArray[np.int64] = np.unique(self.corners + np.float32(0), axis=0, return_inverse=True)[1].reshape(-1)  # -0 is 0
+        return number[self.faces]
 
     @cached_property
     def feature_normals(self) -> NDArray[np.float64]:
@@ -223,8 +224,10 @@ def mesh_query_point_sign_parity(mesh: Mesh, point: Any, max_dist: Any, n_sample
     directions = _directions(int(n_sample), number("perturbation_scale", perturbation_scale))
 
     def inside(points: NDArray[Any], near: NDArray[Any]) -> NDArray[np.bool_]:
-        odd = [count_hits(_bvh(mesh), points, towards) & 1 for towards in directions]
-        return 2 * np.sum(odd, axis=0) >= n_sample  # type: ignore[no-any-return]
+        odd = np.zeros(len(points), np.int64)
+        for towards in directions:
+            odd += count_hits(_bvh(mesh), points, towards) & 1
+        return 2 * odd >= n_sample
 
     return _query_point(mesh, point, max_dist, inside)
 
@@ -324,7 +327,7 @@ def _winding_numbers(mesh: Mesh, points: NDArray[Any]) -> NDArray[np.float64]:
     towards = _directions(1, 0.1)[0].astype(np.float64)
     lists = all_hits(bvh, points, towards)
     leaves = np.where(normals[lists.elements["primitive"]] @ towards > 0, 1, -1)
-    turns = np.bincount(lists.queries, leaves, len(points))
+    turns = np.asarray(np.bincount(lists.queries, leaves, len(points)), np.float64)
     step = max(1, _MOST_ANGLES // max(1, len(cap)))
     for first in range(0, len(points) if len(cap) else 0, step):
         turns[first:first + step] -= _solid_angles(cap, points[first:first + step]).sum(axis=1) / (4 * np.pi)
@@ -339,7 +342,8 @@ def _solid_angles(triangles: NDArray[np.float64], points: NDArray[Any]) -> NDArr
     la, lb, lc = (np.sqrt((to * to).sum(axis=0)) for to in (a, b, c))
     volume = a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
     rest = la * lb * lc + (a * b).sum(axis=0) * lc + (b * c).sum(axis=0) * la + (c * a).sum(axis=0) * lb
-    return 2 * np.arctan2(volume, rest)  # type: ignore[no-any-return]
+    angles: NDArray[np.float64] = 2 * np.arctan2(volume, rest)
+    return angles
 
 
 def _directions(count: int, scale: float) -> NDArray[np.float32]:
@@ -349,7 +353,7 @@ def _directions(count: int, scale: float) -> NDArray[np.float32]:
     for _ in range(3 * count):
         state = _pcg(state)
         draws.append((state >> 8) * 2.0**-24)
-    return 1 + (2 * np.float32(scale) * np.array(draws, np.float32) - np.float32(scale)).reshape(-1, 3)  # type: ignore[no-any-return]
+    return np.float32(1) + (2 * np.float32(scale) * np.array(draws, np.float32) - np.float32(scale)).reshape(-1, 3)
 
 
 def _pcg(state: int) -> int:
@@ -407,17 +411,18 @@ def _areas(triangles: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _unit(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    lengths = np.linalg.norm(values, axis=-1, keepdims=True)
+    lengths: NDArray[np.float64] = np.linalg.norm(values, axis=-1, keepdims=True)
     return np.divide(values, lengths, out=np.zeros_like(values), where=lengths > 0)
 
 
 def _dot(a: NDArray[Any], b: NDArray[Any]) -> NDArray[np.float64]:
-    return np.einsum("...i,...i->...", a, b, dtype=np.float64)  # type: ignore[no-any-return]
+    products: NDArray[np.float64] = np.einsum("...i,...i->...", a, b, dtype=np.float64)
+    return products
 
 
 def _sums(groups: NDArray[np.int64], values: NDArray[np.float64]) -> NDArray[np.float64]:
     """For each row of values (N, 3) the sum of all rows of its group."""
-    return np.stack([np.bincount(groups, values[:, k])[groups] for k in range(3)], axis=1)
+    return np.stack([np.asarray(np.bincount(groups, values[:, k]), np.float64)[groups] for k in range(3)], axis=1)
 
 
 def _in_kind(arrays: dict[str, NDArray[Any]], shape: Shape, argument: Any) -> dict[str, Any]:
