@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Union
+import os
+from contextlib import contextmanager
+from typing import Any, Iterator, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,11 +19,11 @@ RAY = np.dtype({"names": ["origin", "tmin", "direction", "tmax"], "formats": ["3
 """A ray: 32 bytes."""
 HIT = np.dtype([("t", "f4"), ("u", "f4"), ("v", "f4"), ("primitive", "u4"), ("geometry", "u4")])
 """A hit: 20 bytes. Columns are views: hits['t']."""
-INSTANCE_HIT = np.dtype([*((name, HIT.fields[name][0]) for name in HIT.names), ("instance", "u4")])
+INSTANCE_HIT = np.dtype([*((name, HIT[name]) for name in HIT.names or ()), ("instance", "u4")])
 """A hit of an InstancedBvh: 24 bytes. Its triangle and weights are those of the instance's structure."""
 NEAREST = np.dtype([("point", "3f4"), ("distance", "f4"), ("u", "f4"), ("v", "f4"), ("primitive", "u4"), ("geometry", "u4")])
 """The nearest point of a surface: 32 bytes."""
-NEAREST64 = np.dtype([(name, "3f8" if name == "point" else NEAREST.fields[name][0]) for name in NEAREST.names])
+NEAREST64 = np.dtype([(name, "3f8" if name == "point" else NEAREST[name]) for name in NEAREST.names or ()])
 """The same of a structure with an origin: the point is float64."""
 MISS = 0xFFFFFFFF
 """The primitive of a ray that hits nothing."""
@@ -47,6 +49,8 @@ def as_array(name: str, value: Any) -> NDArray[Any]:
                 return np.from_dlpack(value)
             except (BufferError, RuntimeError, TypeError):
                 pass  # such as a format that NumPy lacks: try __array__
+            except ValueError as error:
+                raise UsageError(f"{name}: its __dlpack__ does not work ({error})") from None
     try:
         return np.asarray(value)
     except (ValueError, TypeError, RuntimeError) as error:
@@ -111,7 +115,7 @@ def origin_of(value: Any, vertices: NDArray[Any]) -> Origin:
         check_choice("origin", value, ("auto",))
         usable = vertices[np.isfinite(vertices).all(axis=1)].astype(np.float64, copy=False)
         return 0.5 * usable.min(axis=0) + 0.5 * usable.max(axis=0) if len(usable) else np.zeros(3)
-    place = distances("origin", value, 3).copy()
+    place: NDArray[np.float64] = distances("origin", value, 3).copy()
     if not np.isfinite(place).all():
         raise UsageError(f"origin: is {value!r}; use finite numbers")
     return place
@@ -162,6 +166,37 @@ def integer(name: str, value: Any, low: int, high: int) -> int:
     if not isinstance(value, (int, np.integer)) or isinstance(value, bool) or not low <= value <= high:
         raise UsageError(f"{name}: is {value!r}; use an integer from {low} to {high}")
     return int(value)
+
+
+def path_of(name: str, value: Any) -> str:
+    """The name of a file or folder."""
+    text = os.fspath(value) if isinstance(value, (str, os.PathLike)) else None
+    if not isinstance(text, str) or "\0" in text:
+        raise UsageError(f"{name}: is {value!r}; use the path of a file")
+    return text
+
+
+@contextmanager
+def naming(name: str) -> Iterator[None]:
+    """Lets the library's errors about an argument begin with its name."""
+    try:
+        yield
+    except UsageError as error:
+        raise UsageError(f"{name}: {error}") from None
+
+
+def text(name: str, value: Any) -> str:
+    if not isinstance(value, str):
+        raise UsageError(f"{name}: is {value!r}; use a text")
+    return value
+
+
+def names_of(name: str, value: Any) -> str:
+    """One name or several, with commas between them."""
+    several = [value] if isinstance(value, str) else value
+    if not isinstance(several, (list, tuple, set, frozenset, dict)) or not all(isinstance(one, str) for one in several):
+        raise UsageError(f"{name}: is {value!r}; use a name or a list of names")
+    return ",".join(several)
 
 
 def check_choice(name: str, value: Any, choices: tuple[str, ...]) -> None:

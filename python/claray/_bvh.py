@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import (NO_WORDS, builder_called, check_choice, finite, flag, floats, indices, local, number, origin_of, places,
-                      words)
+from ._arrays import (NO_WORDS, builder_called, check_choice, finite, flag, floats, indices, local, number, origin_of, path_of,
+                      places, words)
 from ._device import AnyDevice, Device, device_of
 from ._handle import Handle
 from ._scene import Scene
@@ -92,13 +92,13 @@ class Bvh(Handle):
         file, if it is missing or damaged."""
         bvh = cls.__new__(cls)
         bvh._device, bvh._origin = device_of(device), origin_of(origin, np.empty((0, 3)))
-        bvh._native = _native.NativeBvh.load(bvh._device._native, os.fspath(path))
+        bvh._native = _native.NativeBvh.load(bvh._device._native, path_of("path", path))
         bvh._queries = {}
         return bvh
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the structure and its triangles to a file, which appears only when it is complete."""
-        self._native.save(os.fspath(path))
+        self._native.save(path_of("path", path))
 
     def _local(self, name: str, points: ArrayLike) -> NDArray[Any]:
         return local(floats(name, points, 3), self._origin)

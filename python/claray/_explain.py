@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Sequence, TypedDict
+from typing import Any, Callable, Sequence, TypedDict, cast
 
 from . import _native
+from ._arrays import flag, integer, names_of
 from ._device import AnyDevice, device_of
 from ._options import RenderOptions, config_of
 from ._render import native_scene
@@ -66,8 +67,10 @@ def explain(scene: Scene, *, device: AnyDevice = None, only: str | Sequence[str]
     more for their time. progress: called with what is done next. options: as of Renderer.
     """
     native = native_scene(scene)
-    if not isinstance(rounds, int) or not 1 <= rounds <= 1000:
-        raise UsageError(f"rounds: is {rounds!r}; use 1 to 1000")
-    names = None if only is None else only if isinstance(only, str) else ",".join(only)
+    scene.validate()
+    turns, times = integer("rounds", rounds, 1, 1000), flag("compile_times", compile_times)
+    names = None if only is None else names_of("only", only)
+    if progress is not None and not callable(progress):
+        raise UsageError(f"progress: is {progress!r}; use a function or None")
     config = config_of({"width": 128, "height": 128, **options})
-    return _native.explain(device_of(device)._native, native, config, names, rounds, compile_times, progress)
+    return cast(Explanation, _native.explain(device_of(device)._native, native, config, names, turns, times, progress))

@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 import struct
 import zlib
-from typing import Any, Mapping
+from typing import Any, Mapping, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import as_array
+from ._arrays import as_array, number, path_of, text
 from ._options import ToneMap
 from ._values import ImageError
 from .errors import UsageError
@@ -34,7 +34,7 @@ class Image(np.ndarray):
         self.tone_map = getattr(source, "tone_map", "aces")
 
     def __reduce__(self) -> Any:
-        make, arguments, state = super().__reduce__()  # type: ignore[misc]
+        make, arguments, state = cast("tuple[Any, Any, Any]", super().__reduce__())
         return make, arguments, (state, self.exposure, self.tone_map)
 
     def __setstate__(self, state: Any) -> None:
@@ -43,8 +43,13 @@ class Image(np.ndarray):
 
     def to_bytes(self, exposure: float | None = None, tone_map: ToneMap | None = None) -> NDArray[np.uint8]:
         """The picture as uint8 of the same shape: exposure in stops, tone map "aces" or "none", sRGB."""
-        return _native.to_bytes(np.ascontiguousarray(self, np.float32).view(np.ndarray),
-                                self.exposure if exposure is None else exposure, tone_map or self.tone_map)
+        pixels: Any = _native.to_bytes(np.ascontiguousarray(self, np.float32).view(np.ndarray),
+                                       *self._shown_by(exposure, tone_map))
+        return cast("NDArray[np.uint8]", pixels)
+
+    def _shown_by(self, exposure: float | None, tone_map: str | None) -> tuple[float, str]:
+        return (self.exposure if exposure is None else number("exposure", exposure),
+                self.tone_map if tone_map is None else text("tone_map", tone_map))
 
     def save(self, path: str | os.PathLike[str], exposure: float | None = None, tone_map: ToneMap | None = None, *,
              layers: Mapping[str, ArrayLike] | None = None) -> None:
@@ -53,9 +58,9 @@ class Image(np.ndarray):
         layers: of an EXR, by their names, such as Renderer.aovs(): (height, width) or (height, width, 3) floats or integers. Raises
         InputError if the file cannot be written.
         """
-        name = os.fspath(path)
+        name = path_of("path", path)
         if layers is None:
-            _native.save_image(name, pixels_of("image", self), self.exposure if exposure is None else exposure, tone_map or self.tone_map)
+            _native.save_image(name, pixels_of("image", self), *self._shown_by(exposure, tone_map))
             return
         if not name.lower().endswith(".exr"):
             raise UsageError(f"layers: {name} cannot hold layers; use a file .exr")
@@ -75,9 +80,9 @@ def _layer(name: str, value: Any, size: tuple[int, int]) -> tuple[str, str, NDAr
     array = as_array(f"layers[{name!r}]", value)
     if array.ndim == 2:
         array = array[..., None]
-    if array.dtype.kind not in "fiub" or array.shape not in ((*size, 1), (*size, 3)):
+    if array.dtype.kind not in "fiub" or array.shape[:2] != size or array.shape[2:] not in ((1,), (3,)):
         raise UsageError(f"layers[{name!r}]: has dtype {array.dtype} and shape {array.shape}; use numbers of shape {size} or {(*size, 3)}")
-    letters = _CHANNELS.get(name, "RGB" if array.shape[2] == 3 else "X" if array.dtype.kind in "iub" else "Y")
+    letters = _CHANNELS.get(name, "RGB" if array.shape[2:] == (3,) else "X" if array.dtype.kind in "iub" else "Y")
     kind = np.float32 if array.dtype.kind == "f" else np.uint32
     return name, letters, np.ascontiguousarray(array, kind).view(np.ndarray)
 
@@ -116,8 +121,8 @@ def identifier_color(identifiers: ArrayLike) -> Image:
     return _shown(_native.identifier_color(_map_of("identifiers", identifiers, np.uint32)))
 
 
-def _shown(pixels: NDArray[np.float32]) -> Image:
-    image = pixels.view(Image)
+def _shown(pixels: Any) -> Image:
+    image: Image = pixels.view(Image)
     image.tone_map = "none"
     return image
 

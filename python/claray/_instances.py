@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Iterable, Sequence, cast
+from typing import Any, Iterable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,7 +18,7 @@ from .errors import UsageError
 
 
 def _structures(bvhs: Any) -> list[Bvh]:
-    structures = [bvhs] if isinstance(bvhs, Bvh) else list(cast("Iterable[Any]", bvhs)) if isinstance(bvhs, Iterable) else []
+    structures = [bvhs] if isinstance(bvhs, Bvh) else list(bvhs) if isinstance(bvhs, Iterable) else []
     if not structures or not all(isinstance(bvh, Bvh) for bvh in structures):
         raise UsageError("bvhs: use a claray.Bvh, or a sequence of at least one")
     if any(bvh.origin is not None for bvh in structures):
@@ -76,8 +76,8 @@ class InstancedBvh(Handle):
         which mesh that is. device, builder: of the meshes' structures. If instances move (scene.instances has 'ends'), rays have
         times. Raises UsageError for a scene without triangles.
         """
-        if scene.triangle_count == 0:
-            raise UsageError("scene: has no triangles")
+        if not isinstance(scene, Scene) or scene.triangle_count == 0:
+            raise UsageError(f"scene: is {scene!r}; use a claray.Scene with triangles")
         placed = scene.instances
         on = device_of(device)
         used, which = np.unique(placed["meshes"], return_inverse=True)

@@ -21,6 +21,10 @@ class Lists:
     __slots__ = ("offsets", "elements")
 
     def __init__(self, offsets: NDArray[np.uint32], elements: NDArray[Any]) -> None:
+        if not isinstance(offsets, np.ndarray) or offsets.ndim != 1 or len(offsets) == 0 or offsets.dtype.kind not in "iu":
+            raise UsageError("offsets: must be an array of integers, one more than there are queries")
+        if not isinstance(elements, np.ndarray) or elements.ndim != 1 or len(elements) != offsets[-1]:
+            raise UsageError("elements: must be an array of as many elements as the last of offsets")
         self.offsets, self.elements = offsets, elements
 
     @property

@@ -6,6 +6,7 @@ import os
 from typing import Any, Literal, Mapping, Sequence, TypedDict, Union, cast
 
 from . import _native
+from ._arrays import names_of
 from .errors import UsageError
 
 Sampler = Literal["sobol", "independent"]
@@ -200,7 +201,7 @@ def set_option(native: Any, key: str, value: Any, of: str, path: str) -> None:
         raise UsageError(f"{path}: unknown option of {of}")
     current = getattr(native, key)
     if key == "approximate":
-        value = _names(value)
+        value = names_of("approximate", value) or "nothing"
     if type(current).__name__.startswith("Native"):
         if not isinstance(value, Mapping):
             raise UsageError(f"{path}: is {value!r}; use a dict of options")
@@ -218,12 +219,6 @@ def set_option(native: Any, key: str, value: Any, of: str, path: str) -> None:
         kind = "a path" if is_path else "a text" if isinstance(current, str) else "True or False" if isinstance(current, bool) else "a number"
         raise UsageError(f"{path}: {value!r} is not {kind} of this option's type and range") from None
 
-
-def _names(value: Any) -> str:
-    names = [value] if isinstance(value, str) else value
-    if not isinstance(names, Sequence) or not all(isinstance(name, str) for name in cast("Sequence[Any]", names)):
-        raise UsageError(f"approximate: is {value!r}; use a name or a list of names")
-    return ",".join(cast("Sequence[str]", names)) or "nothing"
 
 
 def config_of(options: Mapping[str, Any]) -> Any:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from contextlib import contextmanager
+from importlib import import_module
 from typing import Any, Callable, Iterator, Literal, Union
 
 from ._options import RenderProgress
@@ -34,7 +35,7 @@ def reports(progress: Progress) -> Iterator[Report | None]:
 
 def _bar(required: bool) -> _Line:
     try:
-        from tqdm.auto import tqdm
+        tqdm: Any = import_module("tqdm.auto").tqdm
     except ImportError:
         if required:
             raise UsageError("progress: tqdm is not installed; install it, or pass True") from None

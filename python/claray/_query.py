@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import (HIT, INSTANCE_HIT, NO_FLOATS, RAY, Origin, Shape, as_array, check_choice, distances, flag, local, origin_of, output,
-                      pointer, vectors, words)
+from ._arrays import (HIT, INSTANCE_HIT, NO_FLOATS, RAY, Origin, Shape, as_array, check_choice, distances, flag, local, number, origin_of,
+                      output, pointer, vectors, words)
 from ._bvh import Bvh
 from ._device import Device, Event, native_events
 from ._filter import NO_FILTER, Filter
@@ -214,7 +214,8 @@ def origin_of_structure(bvh: Any) -> Origin:
 
 def _check_origin(rays: Any, origin: Origin) -> None:
     """Of rays in one array, which are not shifted. Those of another program are taken to be local."""
-    if isinstance(rays, Rays) and not np.array_equal(*(np.zeros(3) if one is None else one for one in (rays._origin, origin))):
+    zero = np.zeros(3)
+    if isinstance(rays, Rays) and not np.array_equal(zero if rays._origin is None else rays._origin, zero if origin is None else origin):
         raise UsageError("rays: have another origin than the structure; pass origin=bvh.origin to claray.rays")
 
 
@@ -274,8 +275,8 @@ def closest_hit(bvh: Structure, origins: ArrayLike, directions: ArrayLike | None
     bvh: a Bvh, InstancedBvh or Primitives.
     origins: (N, 3) numbers, or (3,) for all rays; or rays in one array of dtype RAY, which is read in place. Any
     strides; float64 is rounded to float32, relative to bvh.origin if there is one. directions: (N, 3) or (3,); they need not
-    have unit length. Rays may be in
-    any shape, such as (H, W, 3); results, and what is given for each ray, then have the shape (H, W).
+    have unit length. Rays may be in any shape, such as (H, W, 3); results, and what is given for each ray, then have the
+    shape (H, W).
     tmin, tmax: hits have tmin < t <= tmax, in units of the direction's length; one number, or (N,).
     masks: (N,) a ray sees geometries whose mask shares a bit with its own.
     times: (N,) or one number, 0 to 1: when the ray passes, for an InstancedBvh that moves.
@@ -314,4 +315,7 @@ def unoccluded(bvh: Structure, points: ArrayLike, targets: ArrayLike, *, offset:
     surfaces on which the points lie do not count.
     """
     starts, ends, shape = _pair("points", points, "targets", targets)
-    return ~any_hit(bvh, starts, ends.astype(np.float64) - starts, tmin=offset, tmax=1 - offset).reshape(shape)
+    share = number("offset", offset)
+    if not 0 <= share < 0.5:
+        raise UsageError(f"offset: is {share}; use a share from 0 to less than 0.5")
+    return ~any_hit(bvh, starts, ends.astype(np.float64) - starts, tmin=share, tmax=1 - share).reshape(shape)

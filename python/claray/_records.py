@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
+from ._arrays import naming, number
 from ._handle import Handle
 from ._typing import dataclass_transform
 from ._values import TextureUse
@@ -27,9 +28,10 @@ Projection = Literal["perspective", "orthographic", "panorama"]
 AlphaMode = Literal["opaque", "mask", "blend"]
 AlphaTest = Literal[">=", ">", "<", "<=", "==", "!="]
 Numbers = Union[Sequence[float], NDArray[Any]]
-Vector2, Vector3 = tuple[float, float], tuple[float, float, float]
-
-Read, Write = TypeVar("Read"), TypeVar("Write")
+Vector2 = tuple[float, float]
+Vector3 = tuple[float, float, float]
+Read = TypeVar("Read")
+Write = TypeVar("Write")
 
 
 def set_all(native: Any, name: str, values: dict[str, Any]) -> Any:
@@ -51,7 +53,7 @@ def set_all(native: Any, name: str, values: dict[str, Any]) -> Any:
 class Property(Generic[Read, Write]):
     """A property of a record, which is found in the native one."""
 
-    def __init__(self, doc: str = "", **_: Any) -> None:
+    def __init__(self, doc: str = "") -> None:
         self.__doc__ = doc
 
     def __set_name__(self, owner: type, name: str) -> None:
@@ -79,11 +81,19 @@ class MapProperty(Property["TextureUse | None", "TextureUse | int | None"]):
         return None if members is None else TextureUse(*members)
 
 
-Number, Flag, Text = Property[float, float], Property[bool, bool], Property[str, str]
-Three, Two = Property[Vector3, Numbers], Property[Vector2, Numbers]
+Number = Property[float, float]
+Flag = Property[bool, bool]
+Text = Property[str, str]
+Two = Property[Vector2, Numbers]
+Three = Property[Vector3, Numbers]
 
 
-@dataclass_transform(kw_only_default=True, field_specifiers=(Property, MapProperty))
+def _first(doc: str, *, default: Any = None, kw_only: Literal[False] = False) -> Any:
+    """A property that may be given without its name; type checkers read the other parameters."""
+    return Property[Any, Any](doc)
+
+
+@dataclass_transform(kw_only_default=True, field_specifiers=(_first,))
 class Record(Handle):
     """Values with names. One in a scene is found there at each use, so that setting a property changes the scene."""
 
@@ -164,7 +174,7 @@ def _made(of: type[Record], values: dict[str, Any]) -> Record:
 
 def _text(value: Any) -> str:
     if isinstance(value, tuple):
-        return "(" + ", ".join(map(_text, cast("tuple[Any, ...]", value))) + ")"
+        return "(" + ", ".join(map(_text, value)) + ")"
     return f"{value:.7g}" if isinstance(value, float) else repr(value)
 
 
@@ -185,7 +195,7 @@ class Material(Record):
     __slots__ = ()
     _kind, _make = "material", _native.NativeMaterial
 
-    kind: Property[MaterialKind, MaterialKind] = Property("what it is", kw_only=False)
+    kind: Property[MaterialKind, MaterialKind] = _first("what it is", default=None, kw_only=False)
     name: Text = Property()
     albedo: Three = Property("diffuse albedo; mirror, metal: reflectance; glass: tint; principled: base colour")
     emission: Three = Property("radiance of both sides, W / (m^2 sr)")
@@ -246,7 +256,7 @@ class Light(Record):
     __slots__ = ()
     _kind, _make = "light", _native.NativeLight
 
-    kind: Property[LightKind, LightKind] = Property("what it is", kw_only=False)
+    kind: Property[LightKind, LightKind] = _first("what it is", default=None, kw_only=False)
     name: Text = Property()
     position: Three = Property()
     direction: Three = Property("in which it shines; not for points")
@@ -288,7 +298,7 @@ class Camera(Record):
 
     def orbited(self, degrees: float) -> Camera:
         """A camera turned round the axis through its target along `up`, counter-clockwise seen from above."""
-        return Camera._of(self._native().orbited(degrees))
+        return Camera._of(self._native().orbited(number("degrees", degrees)))
 
 
 R = TypeVar("R", bound=Record)
@@ -348,9 +358,10 @@ class Records(MutableSequence[R]):
         self[:] = self[::-1]
 
     def assign(self, values: Iterable[R]) -> None:
-        if isinstance(values, (str, Record)) or not isinstance(values, Iterable):
+        if isinstance(values, (str, Record, np.ndarray)) or not isinstance(values, Iterable):
             raise UsageError(f"{self._of._kind}s: is a {type(values).__name__}; use a list of claray.{self._of.__name__}")
-        self[:] = list(values)
+        with naming(f"{self._of._kind}s"):
+            self[:] = list(values)
 
     def __repr__(self) -> str:
         return repr(list(self))

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import flag, number, output
+from ._arrays import flag, integer, names_of, naming, number, output, text
 from ._device import AnyDevice, Device, device_of
 from ._handle import Handle, warn
 from ._image import Image, pixels_of
@@ -79,7 +79,7 @@ class Renderer(Handle):
     def _render(self, report: Report | None, seconds: float | None) -> RenderProgress:
         self._rendered = True
         try:
-            return self._native.render(report, None if seconds is None else number("seconds", seconds))
+            return cast(RenderProgress, self._native.render(report, None if seconds is None else number("seconds", seconds)))
         finally:
             for line in self._native.take_failures():
                 warn(line)
@@ -90,7 +90,7 @@ class Renderer(Handle):
         If the task is cancelled, rendering stops after the samples that are under way, within about `report_seconds`; the image so
         far is kept, and another call continues.
         """
-        loop, stop, raised = asyncio.get_running_loop(), threading.Event(), list[BaseException]()
+        loop, stop, raised = asyncio.get_running_loop(), threading.Event(), list[Exception]()
         with reports(progress) as report:
             def tell(reached: RenderProgress) -> None:
                 try:
@@ -138,7 +138,7 @@ class Renderer(Handle):
         if denoise:
             if width or height or out is not None:
                 raise UsageError("denoise: has the size of the render, and its own memory; leave out width, height and out")
-            return native.denoised("automatic" if denoise is True else denoise).view(Image)
+            return cast(Image, native.denoised("automatic" if denoise is True else denoise).view(Image))
         full = native.size()
         for name, side in (("width", width), ("height", height)):
             if not isinstance(side, (int, np.integer)) or not 0 <= side <= 2**14:
@@ -155,7 +155,10 @@ class Renderer(Handle):
         denoise: by claray's own denoiser, for frames that are shown one after the other: after update(camera=True) or
         update(instances=True) light of the pictures before is used again where it fits.
         """
-        return self._rendered_once().picture(number("exposure", exposure), tone_map, width, height, flag("denoise", denoise))
+        native = self._rendered_once()
+        size = integer("width", width, 0, 2**14), integer("height", height, 0, 2**14)
+        return cast("NDArray[np.uint8]", native.picture(number("exposure", exposure), text("tone_map", tone_map), *size,
+                                                        flag("denoise", denoise)))
 
     def release_denoiser(self) -> None:
         """Gives back the memory that image(denoise=...) keeps for the next image. A later image takes it again."""
@@ -168,7 +171,7 @@ class Renderer(Handle):
 
     def statistics(self) -> RenderStatistics:
         """What the render took so far. May wait for a kernel to be compiled."""
-        return self._native.statistics()
+        return cast(RenderStatistics, self._native.statistics())
 
     def aovs(self) -> dict[str, NDArray[Any]]:
         """Of the first surface at each pixel's centre: 'depth' (distance, inf: nothing), 'normal', 'albedo', 'primitive'
@@ -177,27 +180,27 @@ class Renderer(Handle):
 
     def gbuffer(self, normals: NormalPacking = "octahedral") -> GBuffer:
         """The surfaces of aovs() in 12 bytes per pixel, as deferred renderers keep them. normals: how they are packed."""
-        words, directions, positions, matrix = self._native.gbuffer(normals)
+        words, directions, positions, matrix = self._native.gbuffer(text("normals", normals))
         return GBuffer(words.view(GBUFFER)[..., 0], directions, positions, matrix)
 
     def voxels(self) -> NDArray[np.float32]:
         """The albedo of the surface in the voxel that each pixel's centre shows, (height, width, 3), for light_grid={"voxels": True}."""
-        return self._native.voxels()
+        return cast("NDArray[np.float32]", self._native.voxels())
 
     def noise_map(self) -> NDArray[np.float32]:
         """The variance of each pixel's mean luminance over the square of the image's mean, (height, width). Renders first if
         nothing is rendered yet. 0: fewer than two samples."""
-        return self._rendered_once().noise_map()
+        return cast("NDArray[np.float32]", self._rendered_once().noise_map())
 
     def error_map(self) -> NDArray[np.float32]:
         """Half the width of each pixel's interval, (height, width): 19 of 20 hold the pixel's true luminance, unless there are
         fireflies. Renders first if nothing is rendered yet, and some pixels again."""
-        return self._rendered_once().error_map()
+        return cast("NDArray[np.float32]", self._rendered_once().error_map())
 
     def error_of(self, image: ArrayLike) -> float:
         """An estimate of the error (RMSE over the mean) of an image of this render, such as a denoised one; 0: too small to tell.
         Renders first if nothing is rendered yet, and some pixels again."""
-        return self._rendered_once().error_of(pixels_of("image", image))
+        return float(self._rendered_once().error_of(pixels_of("image", image)))
 
     def cut_off(self) -> float:
         """The share of light that is missing because paths end after max_depth surfaces, 0 to 1: an estimate."""
@@ -231,22 +234,25 @@ class Renderer(Handle):
         is then unchanged.
         """
         native = native_scene(scene)
-        if everything or (instances and len(native.placements()[0]) != self._instances):
+        parts = {"camera": camera, "lights": lights, "materials": materials, "sky": sky, "instances": instances, "vertices": vertices}
+        parts = {name: flag(name, value) for name, value in parts.items()}
+        if flag("everything", everything) or (instances and len(native.placements()[0]) != self._instances):
             if self._config.checkpoint.name:
                 raise UsageError("everything: a scene cannot change while checkpoints are written; leave out the checkpoint")
             self._make(native)
             return
-        self._native.update(native, camera, lights, materials, sky, instances, vertices)
+        self._native.update(native, *parts.values())
         self._rendered = False
 
     def restart(self, seed: int, *, spp: int = 0, max_depth: int = 0) -> None:
         """Discards all samples and restarts with another seed. spp, max_depth: in place of those of the options, and not larger; 0: those."""
-        self._native.restart(seed, spp, max_depth)
+        self._native.restart(integer("seed", seed, 0, 2**32 - 1), integer("spp", spp, 0, 2**32 - 1),
+                             integer("max_depth", max_depth, 0, 2**32 - 1))
         self._rendered = False
 
     def resize(self, width: int, height: int) -> None:
         """Discards all samples and makes the images this large. The view keeps its height."""
-        self._native.resize(width, height)
+        self._native.resize(integer("width", width, 1, 2**31 - 1), integer("height", height, 1, 2**31 - 1))
         self._config.width, self._config.height = width, height
         self._rendered = False
 
@@ -306,10 +312,11 @@ def prepare(scene: Scene | None = None, *, device: AnyDevice = None, denoise: bo
 
 
 def compile_kernels(effects: str | Sequence[str], *, device: AnyDevice = None, **options: Unpack[RenderOptions]) -> None:
-    """Compiles the kernels of renders of scenes with exactly these effects (Scene.effects()), into the cache on disk. Raises
+    """Compiles the kernels of renders of scenes with exactly the effects of these names (Scene.effects()), into the cache on disk. Raises
     DeviceError with the compiler's log."""
-    names = effects if isinstance(effects, str) else ",".join(effects)
-    _native.compile_kernels(device_of(device)._native, names, config_of(options))
+    names, on, config = names_of("effects", effects), device_of(device), config_of(options)
+    with naming("effects"):
+        _native.compile_kernels(on._native, names, config)
 
 
 def tell_compiling(on: bool) -> None:

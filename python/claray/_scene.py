@@ -5,16 +5,16 @@ from __future__ import annotations
 import copy
 import os
 from types import MappingProxyType
-from typing import Any, Iterable, Literal, Mapping, Sequence, TypedDict
+from typing import Any, Iterable, Literal, Mapping, Sequence, TypedDict, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import NO_WORDS, as_array, check_choice, finite, floats, indices, number, places, words
+from ._arrays import NO_WORDS, as_array, check_choice, finite, floats, indices, integer, names_of, naming, number, path_of, places, text, words
 from ._handle import Handle, warn
 from ._primitives import curve_arrays, cylinder_rows, disc_rows, sphere_rows
-from ._records import Camera, Light, Material, Records, native_of, set_all
+from ._records import Camera, Light, Material, Records, Vector3, native_of, set_all
 from ._textures import AnyTexture, Environment, Texture, environment_from, texture_from, texture_of
 from ._transforms import rows_of
 from ._typing import Unpack
@@ -59,7 +59,7 @@ class Scene(Handle):
         return scene
 
     def _count(self, kind: str) -> int:
-        return getattr(self._native, f"{kind}_count")()
+        return int(getattr(self._native, f"{kind}_count")())
 
     def _read(self, kind: str, index: int | None) -> Any:
         """A copy of a material, a light or the camera."""
@@ -98,7 +98,7 @@ class Scene(Handle):
         of a file. color: what bytes mean: "srgb" for colours, "linear" for other maps; a Texture has its own."""
         texture = texture_of("image", image) if isinstance(image, Texture) else texture_of("image", image, color=color)
         self._native.set_textures([*self._native_textures(), texture._native()])
-        return self._native.texture_count() - 1
+        return int(self._native.texture_count()) - 1
 
     def add_mesh(self, vertices: ArrayLike, triangles: ArrayLike, *, normals: ArrayLike | None = None,
                  uvs: ArrayLike | None = None, uvs1: ArrayLike | None = None, tangents: ArrayLike | None = None,
@@ -112,12 +112,12 @@ class Scene(Handle):
         """
         points = places("vertices", vertices)
         faces = indices("triangles", triangles, 3, len(points), "vertices")
-        tints = [] if colors is None else as_array("colors", colors)
-        if isinstance(tints, np.ndarray) and tints.ndim == 2 and tints.shape[1] == 3:
+        tints = None if colors is None else as_array("colors", colors)
+        if tints is not None and tints.ndim == 2 and tints.shape[1] == 3:
             tints = np.hstack([tints, np.ones((len(tints), 1), np.float32)])
         per_vertex = [_per_vertex(key, array, columns, len(points)) for key, array, columns in (
             ("normals", normals, 3), ("uvs", uvs, 2), ("uvs1", uvs1, 2), ("tangents", tangents, 4),
-            ("colors", None if colors is None else tints, 4))]
+            ("colors", tints, 4))]
         numbers = as_array("material", material)
         if numbers.ndim == 0:
             _check_word("material", material)
@@ -127,7 +127,7 @@ class Scene(Handle):
         _check_word("mask", mask)
         if not isinstance(name, str):
             raise UsageError(f"name: is a {type(name).__name__}; use a text")
-        return self._native.add_mesh(name, points, faces, *per_vertex, of_each, int(mask))
+        return int(self._native.add_mesh(name, points, faces, *per_vertex, of_each, int(mask)))
 
     def move_vertices(self, mesh: int, vertices: ArrayLike, normals: ArrayLike | None = None) -> None:
         """Moves the vertices of a mesh, (V, 3) as before, for Renderer.update(scene, vertices=True). normals: as of add_mesh; they
@@ -143,7 +143,7 @@ class Scene(Handle):
 
     def _mesh(self, name: str, mesh: int) -> Mapping[str, Any]:
         try:
-            return self._native.mesh_at(mesh)
+            return cast("Mapping[str, Any]", self._native.mesh_at(mesh))
         except (IndexError, TypeError):
             raise UsageError(f"{name}: is {mesh!r}, and the scene has {self._native.mesh_count()} meshes") from None
 
@@ -160,7 +160,7 @@ class Scene(Handle):
         rows = rows_of("transform", begin[None])
         if transform_end is not None:
             rows = np.concatenate([rows, rows_of("transform_end", as_array("transform_end", transform_end)[None])])
-        return self._native.add_instance(mesh, rows, name)
+        return self._native.add_instance(mesh, rows, text("name", name))
 
     def set_instances(self, meshes: ArrayLike, transforms: ArrayLike, ends: ArrayLike | None = None,
                       names: Sequence[str] = ()) -> None:
@@ -192,7 +192,7 @@ class Scene(Handle):
                 raise UsageError(f"colors: has shape {given.shape}; it must be (3,), ({count}, 3) or ({count}, 2, 3)")
             tints = finite("colors", floats("colors", (np.repeat(given, 2, axis=0) if given.ndim == 2 else given).reshape(-1, 3), 3))
         first = np.empty(0, np.uint32) if segments is None else segments
-        return self._native.add_primitives(kind, name, points.reshape(-1, 4), first, of_each, tints)
+        return int(self._native.add_primitives(kind, name, points.reshape(-1, 4), first, of_each, tints))
 
     def add_spheres(self, centers: ArrayLike, radii: ArrayLike, *, material: ArrayLike = 0, colors: ArrayLike | None = None,
                     name: str = "") -> int:
@@ -229,7 +229,7 @@ class Scene(Handle):
     @property
     def primitive_count(self) -> int:
         """The number of spheres, discs, cylinders and segments of curves."""
-        return self._native.primitive_count()
+        return int(self._native.primitive_count())
 
     @property
     def meshes(self) -> tuple[Mapping[str, Any], ...]:
@@ -259,14 +259,17 @@ class Scene(Handle):
 
     @textures.setter
     def textures(self, textures: Iterable[AnyTexture]) -> None:
-        self._native.set_textures([texture_of("textures", one)._native() for one in textures])
+        if isinstance(textures, str) or not isinstance(textures, Iterable):
+            raise UsageError(f"textures: is {textures!r}; use a list of textures")
+        with naming("textures"):
+            self._native.set_textures([texture_of("texture", one)._native() for one in textures])
 
     def _native_textures(self) -> list[Any]:
         return [self._native.texture_at(i) for i in range(self._native.texture_count())]
 
     @property
     def triangle_count(self) -> int:
-        return self._native.triangle_count()
+        return int(self._native.triangle_count())
 
     @property
     def bounds(self) -> NDArray[np.float64]:
@@ -275,7 +278,7 @@ class Scene(Handle):
 
     @property
     def name(self) -> str:
-        return self._native.name
+        return str(self._native.name)
 
     @name.setter
     def name(self, name: str) -> None:
@@ -314,10 +317,10 @@ class Scene(Handle):
         return Camera._of(self._native.automatic_camera(number("vertical_fov", vertical_fov), number("aspect", aspect)))
 
     @property
-    def sky(self) -> tuple[Any, Any]:
+    def sky(self) -> tuple[Vector3, Vector3]:
         """Radiance of rays that leave the scene: at the horizon and at the zenith, three numbers each. One colour may be
         set for both."""
-        return self._native.sky
+        return cast("tuple[Vector3, Vector3]", self._native.sky)
 
     @sky.setter
     def sky(self, colors: Any) -> None:
@@ -329,10 +332,10 @@ class Scene(Handle):
         self._added_light = None
 
     @property
-    def fog(self) -> tuple[float, Any, float]:
+    def fog(self) -> tuple[float, Vector3, float]:
         """Density, colour and depth of the fog between surfaces. After a distance d, exp(-density d) of the light is left,
         and the rest has the colour. Fog of the depth lies before the sky, an environment and far lights. Density 0: no fog."""
-        return self._native.fog
+        return cast("tuple[float, Vector3, float]", self._native.fog)
 
     @fog.setter
     def fog(self, fog: Any) -> None:
@@ -366,12 +369,15 @@ class Scene(Handle):
         """The effects that the scene uses, by their names, and the objects that use them: {"glass": "the material 'ball'"}."""
         def told(row: Mapping[str, Any]) -> str:
             return row["first"] if row["count"] < 2 else f"{row['first']} and {row['count'] - 1} more"
+        self.validate()
         return {row["effect"]: told(row) for row in _native.causes_of_effects(self._native)}
 
     def without_effects(self, effects: str | Sequence[str]) -> Scene:
         """The scene without some effects, such as "textures": a material of a removed kind becomes Lambert's, a lens a pinhole."""
-        names = effects if isinstance(effects, str) else ",".join(effects)
-        return Scene._of(self._native.without_effects(names), self._added_light)
+        names = names_of("effects", effects)
+        self.validate()
+        with naming("effects"):
+            return Scene._of(self._native.without_effects(names), self._added_light)
 
     def set_culling(self, culling: Literal["by-file", "back", "none"]) -> None:
         """Which sides of surfaces rays hit: "back" passes through the backs of all materials but solid glass, "none" through none."""
@@ -385,7 +391,7 @@ class Scene(Handle):
     def use_light_map(self, mesh: int, light_map: AnyTexture, uv_set: Literal[0, 1] = 1) -> None:
         """Gives a baked light map to the Lambertian materials of a mesh, which are copied before. See bake_light_map."""
         self._mesh("mesh", mesh)
-        _native.use_light_map(self._native, mesh, texture_of("light_map", light_map)._native(), uv_set)
+        _native.use_light_map(self._native, mesh, texture_of("light_map", light_map)._native(), integer("uv_set", uv_set, 0, 1))
 
     def _warn_of_added_light(self) -> None:
         """Warns, once, of light that load() added and the caller has not replaced."""
@@ -428,7 +434,7 @@ class Scene(Handle):
                f"{self.primitive_count} primitives>"
 
 
-def _append(records: Records, name: str, record: Any, properties: dict[str, Any]) -> int:
+def _append(records: Records[Any], name: str, record: Any, properties: dict[str, Any]) -> int:
     if record is not None and properties:
         raise UsageError(f"{name}: is given, and so is {next(iter(properties))}; use one of both")
     records.append(records._of(**properties) if record is None else record)
@@ -486,7 +492,9 @@ def load(name_or_path: str | os.PathLike[str], **choices: Unpack[LoadOptions]) -
     one, and UsageError for an unknown scene or choice.
     """
     options = set_all(_native.NativeLoadOptions(), "load", {**choices})
-    native, messages, added_light = _native.load(os.fspath(name_or_path), options)
+    path = path_of("name_or_path", name_or_path)
+    with naming("name_or_path"):
+        native, messages, added_light = _native.load(path, options)
     for message in messages:
         warn(message)
     return Scene._of(native, added_light)
@@ -494,7 +502,9 @@ def load(name_or_path: str | os.PathLike[str], **choices: Unpack[LoadOptions]) -
 
 def animation_seconds(name_or_path: str | os.PathLike[str], **choices: Unpack[LoadOptions]) -> float | None:
     """The duration of the animation that load(name_or_path, **choices) takes; None if there is none."""
-    return _native.animation_seconds(os.fspath(name_or_path), set_all(_native.NativeLoadOptions(), "animation_seconds", {**choices}))
+    path, options = path_of("name_or_path", name_or_path), set_all(_native.NativeLoadOptions(), "animation_seconds", {**choices})
+    with naming("name_or_path"):
+        return _native.animation_seconds(path, options)
 
 
 def builtin_scenes() -> list[str]:

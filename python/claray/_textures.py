@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from typing import Any, Literal, Sequence, Union
+from typing import Any, Literal, Sequence, Union, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import as_array, check_choice, number
+from ._arrays import as_array, check_choice, naming, number, path_of
 from ._handle import warn
 from .errors import UsageError
 
@@ -66,12 +66,12 @@ class Texture:
              wrap: Wrap | tuple[Wrap, Wrap] = "repeat", filter: TextureFilter = "trilinear") -> Texture:
         """Reads PNG, JPEG, WebP, BMP, TGA, HDR, PFM or EXR. Raises InputError, naming the file."""
         check_choice("color", color, ("srgb", "linear"))
-        native = _native.load_image(os.fspath(path), color)
-        return cls(native.pixels(), color, wrap, filter, native.name)
+        native = _native.load_image(path_of("path", path), color)
+        return cls(cast("NDArray[Any]", native.pixels()), color, wrap, filter, native.name)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the pixels as they are: .png for bytes, .pfm for floats of 1 or 3 channels."""
-        _native.save_texture(os.fspath(path), self._native())
+        _native.save_texture(path_of("path", path), self._native())
 
     def normal_map(self, strength: float = 1.0) -> Texture:
         """The normals of this field of heights, for Material.normal_map. strength: the height of 1, in texels."""
@@ -83,11 +83,11 @@ class Texture:
         else:
             native = _native.NativeTexture.of_floats(self.pixels)
         native.name, native.filter = self.name, self.filter
-        native.wrap_u, native.wrap_v = self.wrap
+        native.wrap_u, native.wrap_v = cast("tuple[Wrap, Wrap]", self.wrap)
         return native
 
     def __repr__(self) -> str:
-        height, width, channels = self.pixels.shape
+        height, width, channels = cast("tuple[int, int, int]", self.pixels.shape)
         return f"<claray.Texture '{self.name}' of {width} x {height} texels, {channels} channels of {self.pixels.dtype}>"
 
     def __reduce__(self) -> Any:
@@ -104,7 +104,8 @@ def texture_of(name: str, given: Any, **options: Any) -> Texture:
             raise UsageError(f"{next(iter(options))}: the {name} is a claray.Texture, which has its own")
         return given
     if isinstance(given, (str, os.PathLike)):
-        return Texture.load(given, **options)
+        with naming(name):
+            return Texture.load(given, **options)
     try:
         return Texture(as_array(name, given), **options)
     except UsageError as error:
@@ -112,7 +113,7 @@ def texture_of(name: str, given: Any, **options: Any) -> Texture:
 
 
 def texture_from(native: Any) -> Texture:
-    color = "srgb" if native.color == "srgb" else "linear"
+    color: Literal["srgb", "linear"] = "srgb" if native.color == "srgb" else "linear"
     return Texture(native.pixels(), color, (native.wrap_u, native.wrap_v), native.filter, native.name)
 
 
@@ -140,7 +141,7 @@ class Environment:
     def load(cls, path: str | os.PathLike[str], strength: float = 1.0, rotation: float = 0.0) -> Environment:
         """Reads an image in latitude and longitude, an OpenEXR cube map, or a folder with the faces px nx py ny pz nz of a
         cube. Raises InputError, naming the file."""
-        native, messages = _native.load_environment(os.fspath(path))
+        native, messages = _native.load_environment(path_of("path", path))
         for message in messages:
             warn(message)
         return cls([texture_from(image) for image in native.images] if len(native.images) == 6 else texture_from(native.images[0]),

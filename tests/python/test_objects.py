@@ -66,7 +66,7 @@ def test_lists_of_a_scene_are_lists():
     refused("material", lambda: scene.materials.append("red"), "str")
     refused("material", lambda: scene.materials.append(claray.Light()), "Light")
     refused("materials", lambda: setattr(scene, "materials", "red"))
-    refused("light", lambda: setattr(scene, "lights", ["lamp"]))
+    refused("lights", lambda: setattr(scene, "lights", ["lamp"]))
     refused("material", lambda: scene.add_material("red"))
     refused("material", lambda: scene.add_material(claray.Material(), albedo=(1, 1, 1)), "albedo")
     assert len(scene.materials) == 0 and len(scene.lights) == 2
@@ -120,7 +120,7 @@ def test_wrong_types_are_refused():
         refused("roughness", lambda: setattr(one, "roughness", None))
         refused("name", lambda: setattr(one, "name", 5))
         refused("thin_walled", lambda: setattr(one, "thin_walled", "no"))
-        refused("Material", lambda: setattr(one, "kind", "wood"), "mirror")
+        refused("kind", lambda: setattr(one, "kind", "wood"), "mirror")
     refused("position", lambda: setattr(scene.camera, "position", "here"))
     refused("position", lambda: setattr(scene.camera, "position", 5))
     refused("camera", lambda: setattr(scene, "camera", (0, 0, 1)))

@@ -209,7 +209,7 @@ def moving():
 
 def test_own_bsdfs_are_used():
     """That of examples/09_own_bsdf, which reads a parameter: the lobe's asymmetry."""
-    source = (Path(__file__).parents[2] / "examples/09_own_bsdf/dust.clh").read_text(encoding="utf-8")
+    source = (Path(__file__).parents[3] / "examples/09_own_bsdf/dust.clh").read_text(encoding="utf-8")
     number = claray.add_bsdf("dust", source, parameters=1)
     scene = lit(kind="custom", custom=number, parameters=[-0.3])
     assert scene.materials[0].kind == "custom" and np.allclose(scene.materials[0].parameters, [-0.3])
