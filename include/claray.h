@@ -949,6 +949,134 @@ CLARAY_API claray_status claray_scene_environment_image_get(const claray_scene* 
  * claray_scene_options_load. */
 CLARAY_API claray_status claray_scene_environment_load(claray_scene* scene, const char* path, claray_lines** warnings);
 
+/* ---- sensors ---- */
+
+/* A beam in the frame of its sensor. */
+typedef struct claray_beam {
+    float direction[3]; /* a unit vector */
+    float time;         /* when it is sent, from 0 to 1 within a scan */
+} claray_beam;
+typedef struct claray_beams claray_beams;
+/* A lidar that turns round z: a row for each elevation, in radians above the plane of x and y. Column j is sent at the
+ * azimuth begin + turn * j / columns, from x towards y. */
+CLARAY_API claray_status claray_spinning_beams_create(const double* elevations, size_t count, uint32_t columns,
+                                                      double begin, double turn, claray_beams** beams);
+/* A lidar that looks along x: evenly spaced angles over the fields of view, in radians. */
+CLARAY_API claray_status claray_raster_beams_create(uint32_t rows, uint32_t columns, double horizontal_fov,
+                                                    double vertical_fov, claray_beams** beams);
+/* A lidar with two prisms that turn `first` and `second` times in a scan, and have turned `phase` before: one row of
+ * `count` beams. */
+CLARAY_API claray_status claray_rosette_beams_create(uint32_t count, double fov, double first, double second,
+                                                     double phase, claray_beams** beams);
+typedef enum claray_lens_kind {
+    CLARAY_LENS_PINHOLE = 0,    /* x / z and y / z, distorted by k1, k2, p1, p2, k3 in OpenCV's order */
+    CLARAY_LENS_EQUIDISTANT = 1 /* the angle to the axis, distorted by k1 to k4 */
+} claray_lens_kind;
+/* A camera's lens, in pixels; x is to the right, y down and z forwards. The first pixel's centre is at (0, 0). */
+typedef struct claray_lens {
+    size_t struct_size;
+    double fx, fy, cx, cy;
+    double distortion[5];
+    claray_lens_kind kind;
+} claray_lens;
+/* The pixels of a camera. shutter: the time from the first row to the last one; 0: all at once. */
+CLARAY_API claray_status claray_camera_beams_create(uint32_t width, uint32_t height, const claray_lens* lens,
+                                                    double shutter, claray_beams** beams);
+/* Row by row; valid while the handle is. */
+CLARAY_API claray_status claray_beams_get(const claray_beams* beams, uint32_t* rows, uint32_t* columns,
+                                          const claray_beam** all);
+CLARAY_API void claray_beams_release(claray_beams* beams);
+
+/* What sensors see: the triangles of a scene. */
+typedef struct claray_sensor_world claray_sensor_world;
+typedef struct claray_sensor_world_config {
+    size_t struct_size;
+    const uint32_t* movers; /* placements of the scene that may move, besides those that move in it */
+    size_t mover_count;
+    const float* reflectances; /* of each material, relative to a white surface; NULL: the red of their albedos */
+    size_t reflectance_count;
+    claray_builder builder;
+} claray_sensor_world_config;
+CLARAY_API claray_status claray_sensor_world_build(claray_device* device, const claray_scene* scene,
+                                                   const claray_sensor_world_config* config,
+                                                   claray_sensor_world** world);
+/* Indices of the placements that may move, in increasing order; valid while the handle is. */
+CLARAY_API const uint32_t* claray_sensor_world_movers(const claray_sensor_world* world, size_t* count);
+/* Places all movers at the begin and at the end of the following scans: `count` times 3 rows of 4 floats. */
+CLARAY_API claray_status claray_sensor_world_move(claray_sensor_world* world, const float* begins, const float* ends,
+                                                  size_t count);
+/* Of all placements. */
+CLARAY_API size_t claray_sensor_world_triangle_count(const claray_sensor_world* world);
+CLARAY_API void claray_sensor_world_release(claray_sensor_world* world);
+
+/* Which returns of a beam are kept, and how they are ordered. */
+typedef enum claray_return_order {
+    CLARAY_RETURN_STRONGEST = 0,
+    CLARAY_RETURN_FIRST = 1,
+    CLARAY_RETURN_LAST = 2
+} claray_return_order;
+/* Lengths are in units of the scene, taken for metres; angles are in radians, times in seconds (docs/sensors.md). */
+typedef struct claray_sensor_config {
+    size_t struct_size;
+    const claray_beam* beams; /* rows * columns */
+    uint32_t rows, columns;
+    uint32_t rays;    /* of a beam, 1 to 64 */
+    uint32_t returns; /* most of a beam, 1 to `rays` */
+    claray_return_order order;
+    uint32_t seed;           /* of noise and dropouts */
+    double divergence[2];    /* full angles of a beam, to the sides and up */
+    float nearest, farthest; /* ranges that are measured */
+    float range_resolution;  /* surfaces of a beam within these become one return */
+    float velocity_resolution;
+    float range_noise; /* standard deviations */
+    float velocity_noise;
+    float intensity_noise; /* relative */
+    float dropout;         /* probability that a return is lost */
+    float reference_range; /* where a white surface has the intensity 1; 0: intensities don't fall with the range */
+    float extinction;      /* of the air, per unit of length */
+    float least_intensity; /* weaker returns are lost */
+    float duration;        /* of a scan; 0: velocities are 0 */
+    int32_t in_world;      /* places and normals in the world, instead of the frame of the sensor */
+} claray_sensor_config;
+/* One ray and one return of each beam, up to a range of 1000, without noise. */
+CLARAY_API claray_status claray_sensor_config_init(claray_sensor_config* config);
+
+/* Where a sensor is at the begin and at the end of a scan; the turns are unit quaternions x, y, z, w. */
+typedef struct claray_sensor_pose {
+    float begin[3];
+    float end[3];
+    float turn_begin[4];
+    float turn_end[4];
+} claray_sensor_pose;
+/* Of matrices from the sensor's frame to the world: 3 rows of 4 numbers, a rotation and a translation. */
+CLARAY_API claray_status claray_sensor_pose_set(claray_sensor_pose* pose, const double begin[12], const double end[12]);
+
+/* Without a return x, y, z, range and velocity are NaN, and material, placement and primitive are CLARAY_MISS. */
+typedef struct claray_sensor_return {
+    float point[3]; /* range times the beam's direction, in the frame of the sensor; or the place in the world */
+    float intensity;
+    float range;
+    float velocity;  /* positive if surface and sensor depart from each other */
+    float time;      /* of the beam, since the begin of the scan */
+    float share;     /* of the beam's power that met these surfaces */
+    float normal[3]; /* towards the sensor */
+    uint32_t material;
+    uint32_t instance;     /* the placement of the scene */
+    uint32_t primitive;    /* triangle of its mesh */
+    uint32_t ring, column; /* of the beam */
+} claray_sensor_return;
+typedef struct claray_sensor claray_sensor;
+CLARAY_API claray_status claray_sensor_create(claray_device* device, const claray_sensor_config* config,
+                                              claray_sensor** sensor);
+/* Number of returns of a scan from so many poses. */
+CLARAY_API size_t claray_sensor_size(const claray_sensor* sensor, size_t pose_count);
+/* Scans the world from all poses. number: of the scan, for its noise. count: claray_sensor_size of the poses. Blocks.
+ */
+CLARAY_API claray_status claray_sensor_scan(claray_sensor* sensor, const claray_sensor_world* world,
+                                            const claray_sensor_pose* poses, size_t pose_count, uint32_t number,
+                                            claray_sensor_return* returns, size_t count);
+CLARAY_API void claray_sensor_release(claray_sensor* sensor);
+
 /* ---- renders ---- */
 
 typedef enum claray_sampler {

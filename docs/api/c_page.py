@@ -14,11 +14,11 @@ from interfaces import Declared, c, cpp, root
 page = root / "docs/c.md"
 begin = "<!-- What follows is written by docs/api/c_page.py. -->\n"
 handles = {"Device": "device", "Bvh": "bvh", "InstancedBvh": "instances", "Query": "query", "Primitives": "primitives",
-           "Renderer": "renderer", "RenderGroup": "group"}
+           "Renderer": "renderer", "RenderGroup": "group", "Sensor": "sensor", "SensorWorld": "sensor_world"}
 endings = ("", "_create", "_get", "_build", "_with")
 # Classes whose members are no data for users.
 opaque = {"Bvh", "Buffer", "Device", "EffectSet", "Error", "InstancedBvh", "Kernel", "Primitives", "Profiler", "Query", "Renderer",
-          "RenderGroup", "Warnings", "Aovs"}
+          "RenderGroup", "Sensor", "SensorWorld", "Warnings", "Aovs"}
 
 
 class Counterparts:
@@ -94,7 +94,7 @@ def members_in_c(name: str, members: list[str], in_c: set[str], of_c: Declared, 
             notes.append(f"`{member}`: {reason or 'MISSING'}")
             if reason is None:
                 faults.append(f"{path} has no member in C and no reason in docs/api/c_counterparts.txt")
-    return "; ".join(notes)
+    return ". ".join(notes)
 
 
 def struct_rows(of_cpp: Declared, of_c: Declared, counterparts: Counterparts, faults: list[str]) -> list[str]:

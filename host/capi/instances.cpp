@@ -54,7 +54,7 @@ std::vector<Bvh> structures_of(const claray_bvh* const* bvhs, std::size_t count)
     return structures;
 }
 
-InstancedBvh::Config config_of(const claray_instances_config& given) {
+InstancedBvh::Config instances_config_of(const claray_instances_config& given) {
     InstancedBvh::Config config;
     const Builder builder = enumerator(given.builder, "config.builder");
     if (builder != Builder::automatic) config.builder = builder;
@@ -89,7 +89,7 @@ claray_status claray_instances_config_build(const claray_bvh* const* bvhs, size_
                                             const claray_instances_config* config, claray_instances** placed) {
     return guarded([&] {
         const claray_instances_config given = versioned(config, "config");
-        const InstancedBvh::Config known = config_of(given);
+        const InstancedBvh::Config known = instances_config_of(given);
         const std::vector<Bvh> bottoms = structures_of(bvhs, bvh_count);
         const std::vector<Instance> all = instances_of(array(instances, count, "instances"), bvh_count);
         hand_out(placed, "placed", [&] {

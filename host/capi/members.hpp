@@ -10,6 +10,7 @@
 #include "claray/image/picture.hpp"
 #include "claray/io.hpp"
 #include "claray/renderer.hpp"
+#include "claray/sensors.hpp"
 #include "host/capi/capi.hpp"
 #include "host/scene/members.hpp"
 
@@ -42,6 +43,8 @@ CLARAY_ENUM(claray_alpha_mode, std::array{AlphaMode::opaque, AlphaMode::mask, Al
 CLARAY_ENUM(claray_alpha_test, std::array{AlphaTest::greater_equal, AlphaTest::greater, AlphaTest::less,
                                           AlphaTest::less_equal, AlphaTest::equal, AlphaTest::not_equal})
 CLARAY_ENUM(claray_normal_packing, std::array{NormalPacking::octahedral, NormalPacking::spherical})
+CLARAY_ENUM(claray_lens_kind, std::array{LensKind::pinhole, LensKind::equidistant})
+CLARAY_ENUM(claray_return_order, std::array{ReturnOrder::strongest, ReturnOrder::first, ReturnOrder::last})
 CLARAY_ENUM(claray_kernel_start, std::array{KernelStart::own, KernelStart::generic, KernelStart::quick})
 #undef CLARAY_ENUM
 
@@ -107,26 +110,26 @@ void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
     CLARAY_PAIR(kind)
     CLARAY_PAIR(albedo)
     CLARAY_PAIR(emission)
-    CLARAY_PAIR(roughness) CLARAY_PAIR(ior) CLARAY_PAIR(metallic) CLARAY_PAIR(transmission) CLARAY_PAIR(thin_walled)
-        CLARAY_PAIR(clearcoat) CLARAY_PAIR(clearcoat_roughness) CLARAY_PAIR(specular) CLARAY_PAIR(specular_weight)
-            CLARAY_PAIR(specular_tint) CLARAY_PAIR(sheen) CLARAY_PAIR(sheen_roughness) CLARAY_PAIR(anisotropy)
-                CLARAY_PAIR(anisotropy_rotation) CLARAY_PAIR(iridescence) CLARAY_PAIR(iridescence_ior)
-                    CLARAY_PAIR(film_thickness) CLARAY_PAIR(attenuation) CLARAY_PAIR(attenuation_distance)
-                        CLARAY_PAIR(opacity) CLARAY_PAIR(alpha_mode) CLARAY_PAIR(alpha_cutoff) CLARAY_PAIR(alpha_test)
-                            CLARAY_PAIR(cull_back) CLARAY_PAIR(albedo_map) CLARAY_PAIR(emission_map)
-                                CLARAY_PAIR(metallic_roughness_map) CLARAY_PAIR(transmission_map)
-                                    CLARAY_PAIR(clearcoat_map) CLARAY_PAIR(clearcoat_roughness_map)
-                                        CLARAY_PAIR(clearcoat_normal_map) CLARAY_PAIR(clearcoat_normal_scale)
-                                            CLARAY_PAIR(specular_map) CLARAY_PAIR(specular_weight_map)
-                                                CLARAY_PAIR(shininess_map) CLARAY_PAIR(sheen_map)
-                                                    CLARAY_PAIR(sheen_roughness_map) CLARAY_PAIR(anisotropy_map)
-                                                        CLARAY_PAIR(iridescence_map) CLARAY_PAIR(film_thickness_map)
-                                                            CLARAY_PAIR(opacity_map) CLARAY_PAIR(normal_map)
-                                                                CLARAY_PAIR(normal_scale) CLARAY_PAIR(height_map)
-                                                                    CLARAY_PAIR(height_scale) CLARAY_PAIR(light_map)
-                                                                        CLARAY_PAIR(custom)
+    CLARAY_PAIR(roughness)
+    CLARAY_PAIR(ior) CLARAY_PAIR(metallic) CLARAY_PAIR(transmission) CLARAY_PAIR(thin_walled) CLARAY_PAIR(clearcoat)
+        CLARAY_PAIR(clearcoat_roughness) CLARAY_PAIR(specular) CLARAY_PAIR(specular_weight) CLARAY_PAIR(specular_tint)
+            CLARAY_PAIR(sheen) CLARAY_PAIR(sheen_roughness) CLARAY_PAIR(anisotropy) CLARAY_PAIR(anisotropy_rotation)
+                CLARAY_PAIR(iridescence) CLARAY_PAIR(iridescence_ior) CLARAY_PAIR(film_thickness)
+                    CLARAY_PAIR(attenuation) CLARAY_PAIR(attenuation_distance) CLARAY_PAIR(opacity)
+                        CLARAY_PAIR(alpha_mode) CLARAY_PAIR(alpha_cutoff) CLARAY_PAIR(alpha_test) CLARAY_PAIR(cull_back)
+                            CLARAY_PAIR(albedo_map) CLARAY_PAIR(emission_map) CLARAY_PAIR(metallic_roughness_map)
+                                CLARAY_PAIR(transmission_map) CLARAY_PAIR(clearcoat_map)
+                                    CLARAY_PAIR(clearcoat_roughness_map) CLARAY_PAIR(clearcoat_normal_map)
+                                        CLARAY_PAIR(clearcoat_normal_scale) CLARAY_PAIR(specular_map)
+                                            CLARAY_PAIR(specular_weight_map) CLARAY_PAIR(shininess_map)
+                                                CLARAY_PAIR(sheen_map) CLARAY_PAIR(sheen_roughness_map)
+                                                    CLARAY_PAIR(anisotropy_map) CLARAY_PAIR(iridescence_map)
+                                                        CLARAY_PAIR(film_thickness_map) CLARAY_PAIR(opacity_map)
+                                                            CLARAY_PAIR(normal_map) CLARAY_PAIR(normal_scale)
+                                                                CLARAY_PAIR(height_map) CLARAY_PAIR(height_scale)
+                                                                    CLARAY_PAIR(light_map) CLARAY_PAIR(custom)
 #define CLARAY_ROW(name, text, standard, check) CLARAY_PAIR(name)
-                                                                            CLARAY_BSDF_PARAMETERS(CLARAY_ROW)
+                                                                        CLARAY_BSDF_PARAMETERS(CLARAY_ROW)
 #undef CLARAY_ROW
 }
 
@@ -136,7 +139,8 @@ void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
     CLARAY_PAIR(kind)
     CLARAY_PAIR(position)
     CLARAY_PAIR(direction)
-    CLARAY_PAIR(intensity) CLARAY_PAIR(inner_angle) CLARAY_PAIR(outer_angle) CLARAY_PAIR(range) CLARAY_PAIR(attenuation)
+    CLARAY_PAIR(intensity)
+    CLARAY_PAIR(inner_angle) CLARAY_PAIR(outer_angle) CLARAY_PAIR(range) CLARAY_PAIR(attenuation)
         CLARAY_PAIR(linear_range)
 }
 
@@ -182,8 +186,9 @@ void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
     CLARAY_PAIR(height)
     CLARAY_PAIR(spp)
     CLARAY_PAIR(max_depth)
-    CLARAY_PAIR(seed) CLARAY_PAIR(seconds) CLARAY_PAIR(noise) CLARAY_PAIR(error) CLARAY_PAIR(sample_clamp)
-        CLARAY_PAIR(adaptive) CLARAY_PAIR(sampler) CLARAY_PAIR(report_seconds) CLARAY_PAIR(parts) CLARAY_PAIR(compiler)
+    CLARAY_PAIR(seed)
+    CLARAY_PAIR(seconds) CLARAY_PAIR(noise) CLARAY_PAIR(error) CLARAY_PAIR(sample_clamp) CLARAY_PAIR(adaptive)
+        CLARAY_PAIR(sampler) CLARAY_PAIR(report_seconds) CLARAY_PAIR(parts) CLARAY_PAIR(compiler)
             CLARAY_PAIR(checkpoint) CLARAY_PAIR(checkpoint_seconds) CLARAY_PAIR(resume)
 }
 
@@ -199,9 +204,9 @@ void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
     CLARAY_PAIR(seconds)
     CLARAY_PAIR(noise)
     CLARAY_PAIR(error)
-    CLARAY_PAIR(error_bound) CLARAY_PAIR(error_of_fireflies) CLARAY_PAIR(cut_off) CLARAY_PAIR(spp_target)
-        CLARAY_PAIR(error_spp) CLARAY_PAIR(own_kernels) CLARAY_PAIR(waits_for_kernels) CLARAY_PAIR(culled)
-            CLARAY_PAIR(dropped_samples)
+    CLARAY_PAIR(error_bound)
+    CLARAY_PAIR(error_of_fireflies) CLARAY_PAIR(cut_off) CLARAY_PAIR(spp_target) CLARAY_PAIR(error_spp)
+        CLARAY_PAIR(own_kernels) CLARAY_PAIR(waits_for_kernels) CLARAY_PAIR(culled) CLARAY_PAIR(dropped_samples)
 }
 
 template <class C, IsOf<RayCount> Cpp, class Visit>
@@ -215,11 +220,11 @@ void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
     CLARAY_PAIR(first_pixel_processor_seconds)
     CLARAY_PAIR(start)
     CLARAY_PAIR(own_kernels_from)
-    CLARAY_PAIR(own_kernels) CLARAY_PAIR(primitives) CLARAY_PAIR(build_milliseconds) CLARAY_PAIR(camera)
-        CLARAY_PAIR(bounce) CLARAY_PAIR(shadow) CLARAY_PAIR(in_paths) CLARAY_PAIR(device_bytes)
-            CLARAY_PAIR(most_device_bytes) CLARAY_PAIR(bytes_paged) CLARAY_PAIR(parts) CLARAY_PAIR(adapted)
-                CLARAY_PAIR(guided) CLARAY_PAIR(longest_milliseconds) CLARAY_PAIR(longest_command)
-                    CLARAY_PAIR(dropped_samples) CLARAY_PAIR(measuring_seconds)
+    CLARAY_PAIR(own_kernels)
+    CLARAY_PAIR(primitives) CLARAY_PAIR(build_milliseconds) CLARAY_PAIR(camera) CLARAY_PAIR(bounce) CLARAY_PAIR(shadow)
+        CLARAY_PAIR(in_paths) CLARAY_PAIR(device_bytes) CLARAY_PAIR(most_device_bytes) CLARAY_PAIR(bytes_paged)
+            CLARAY_PAIR(parts) CLARAY_PAIR(adapted) CLARAY_PAIR(guided) CLARAY_PAIR(longest_milliseconds)
+                CLARAY_PAIR(longest_command) CLARAY_PAIR(dropped_samples) CLARAY_PAIR(measuring_seconds)
 }
 
 template <class C, IsOf<BvhStatistics> Cpp, class Visit>
@@ -241,15 +246,30 @@ void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
     CLARAY_PAIR(height) CLARAY_PAIR(widening) CLARAY_PAIR(sah_cost) CLARAY_PAIR(top_bytes) CLARAY_PAIR(bottom_bytes)
 }
 
+template <class C, IsOf<Lens> Cpp, class Visit>
+void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
+    CLARAY_PAIR(kind) CLARAY_PAIR(fx) CLARAY_PAIR(fy) CLARAY_PAIR(cx) CLARAY_PAIR(cy) CLARAY_PAIR(distortion)
+}
+
+template <class C, IsOf<SensorConfig> Cpp, class Visit>
+void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
+    CLARAY_PAIR(rays)
+    CLARAY_PAIR(returns)
+    CLARAY_PAIR(order) CLARAY_PAIR(divergence) CLARAY_PAIR(nearest) CLARAY_PAIR(farthest) CLARAY_PAIR(range_resolution)
+        CLARAY_PAIR(velocity_resolution) CLARAY_PAIR(range_noise) CLARAY_PAIR(velocity_noise)
+            CLARAY_PAIR(intensity_noise) CLARAY_PAIR(dropout) CLARAY_PAIR(reference_range) CLARAY_PAIR(extinction)
+                CLARAY_PAIR(least_intensity) CLARAY_PAIR(duration) CLARAY_PAIR(in_world) CLARAY_PAIR(seed)
+}
+
 template <class C, IsOf<DeviceInfo> Cpp, class Visit>
 void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
     CLARAY_PAIR(index)
     CLARAY_PAIR(platform)
     CLARAY_PAIR(name)
     CLARAY_PAIR(vendor)
-    CLARAY_PAIR(driver) CLARAY_PAIR(version) CLARAY_PAIR(type) CLARAY_PAIR(compute_units) CLARAY_PAIR(memory)
-        CLARAY_PAIR(max_allocation) CLARAY_PAIR(local_memory) CLARAY_PAIR(max_work_group) CLARAY_PAIR(fp64)
-            CLARAY_PAIR(exact_divide)
+    CLARAY_PAIR(driver)
+    CLARAY_PAIR(version) CLARAY_PAIR(type) CLARAY_PAIR(compute_units) CLARAY_PAIR(memory) CLARAY_PAIR(max_allocation)
+        CLARAY_PAIR(local_memory) CLARAY_PAIR(max_work_group) CLARAY_PAIR(fp64) CLARAY_PAIR(exact_divide)
 }
 #undef CLARAY_PAIR
 
@@ -322,8 +342,9 @@ template <class Matrix>
 void put_rows(float (&rows)[12], const Matrix& matrix) {
     for (int i = 0; i < 12; ++i) rows[i] = matrix[i % 4][i / 4];
 }
-inline glm::mat4 matrix_of(const float (&rows)[12]) {
-    glm::mat4 matrix(1.f);
+template <class Matrix = glm::mat4, class Number>
+Matrix matrix_of(const Number* rows) {
+    Matrix matrix(1);
     for (int i = 0; i < 12; ++i) matrix[i % 4][i / 4] = rows[i];
     return matrix;
 }

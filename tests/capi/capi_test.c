@@ -613,7 +613,7 @@ int main(int argc, char** argv) {
         void (*run)(claray_device* device);
     } groups[] = {{"basics", test_basics},   {"devices", test_devices}, {"queries", test_more_queries},
                   {"scenes", test_scenes},   {"renders", test_renders}, {"results", test_results},
-                  {"targets", test_targets}, {"bsdf", test_bsdf}};
+                  {"targets", test_targets}, {"sensors", test_sensors}, {"bsdf", test_bsdf}};
     claray_device* device = NULL;
     EXPECT(strcmp(claray_last_error(), "") == 0);
     if (claray_device_open(getenv("CLARAY_DEVICE") ? NULL : "cpu", &device) != CLARAY_OK) {

@@ -40,6 +40,7 @@ void test_scenes(claray_device* device);
 void test_renders(claray_device* device);
 void test_results(claray_device* device);
 void test_targets(claray_device* device);
+void test_sensors(claray_device* device);
 void test_bsdf(claray_device* device); /* the last one: programs that are compiled later have its BSDF */
 
 #endif
