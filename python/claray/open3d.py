@@ -230,7 +230,7 @@ def install() -> None:
 def _name_of(device: Any) -> Any:
     """claray's name of a device, which Open3D may have named."""
     if not hasattr(device, "get_type"):
-        return None if device == "CPU:0" else device
+        return None if isinstance(device, str) and device == "CPU:0" else device
     if str(device).upper() != "CPU:0":
         raise UsageError(f"device: is {device}, but arrays must be in host memory; use CPU:0, or a device of claray")
     return None

@@ -240,7 +240,7 @@ def mesh_query_point_sign_winding_number(mesh: Mesh, point: Any, max_dist: Any, 
     support_winding_number the sign is that of mesh_query_point, as in Warp.
     """
     least = number("threshold", threshold)
-    if not mesh.support_winding_number:
+    if not _checked(mesh).support_winding_number:
         return mesh_query_point(mesh, point, max_dist)
     return _query_point(mesh, point, max_dist, lambda points, near: _winding_numbers(mesh, points) > least)
 
@@ -258,28 +258,33 @@ def mesh_query_sphere(mesh: Mesh, center: Any, radius: Any) -> Lists:
 
 def mesh_eval_position(mesh: Mesh, face: Any, bary_u: Any, bary_v: Any) -> Any:
     """The points (N, 3) of faces (N,) with weights bary_u and bary_v, (N,), of their first and second vertex."""
-    corners = mesh._geometry.triangles(_numbers_of("face", face, len(mesh._geometry.faces)))
-    u, v = (as_array(name, value).astype(np.float64)[..., None] for name, value in (("bary_u", bary_u), ("bary_v", bary_v)))
+    geometry = _checked(mesh)._geometry
+    corners = geometry.triangles(_numbers_of("face", face, len(geometry.faces)))
+    weights = (("bary_u", bary_u), ("bary_v", bary_v))
+    u, v = (distances(name, value, corners.shape[:-2]).reshape(*corners.shape[:-2], 1) for name, value in weights)
     place = u * corners[..., 0, :] + v * corners[..., 1, :] + (1 - u - v) * corners[..., 2, :]
     return _in_kind({"place": place.reshape(-1, 3)}, place.shape[:-1], face)["place"]
 
 
 def mesh_eval_face_normal(mesh: Mesh, face: Any) -> Any:
     """The unit normals (N, 3) of faces (N,), of their winding order."""
-    normals = mesh._geometry.normals_of(_numbers_of("face", face, len(mesh._geometry.faces)))
+    geometry = _checked(mesh)._geometry
+    normals = geometry.normals_of(_numbers_of("face", face, len(geometry.faces)))
     return _in_kind({"normal": normals.reshape(-1, 3)}, normals.shape[:-1], face)["normal"]
 
 
 def mesh_get_index(mesh: Mesh, face_vertex_index: Any) -> Any:
     """The vertices (N,) of the numbers (N,) in mesh.indices."""
-    numbers = _numbers_of("face_vertex_index", face_vertex_index, mesh._geometry.faces.size)
-    return _in_kind({"index": mesh._geometry.faces.reshape(-1)[numbers].astype(np.int32)}, numbers.shape, face_vertex_index)["index"]
+    faces = _checked(mesh)._geometry.faces
+    numbers = _numbers_of("face_vertex_index", face_vertex_index, faces.size)
+    return _in_kind({"index": faces.reshape(-1)[numbers].astype(np.int32)}, numbers.shape, face_vertex_index)["index"]
 
 
 def mesh_get_point(mesh: Mesh, index: Any) -> Any:
     """The places (N, 3) of the vertices of the numbers (N,) in mesh.indices."""
-    numbers = _numbers_of("index", index, mesh._geometry.faces.size)
-    corners = mesh._geometry.corners[mesh._geometry.faces.reshape(-1)[numbers.reshape(-1)]]
+    geometry = _checked(mesh)._geometry
+    numbers = _numbers_of("index", index, geometry.faces.size)
+    corners = geometry.corners[geometry.faces.reshape(-1)[numbers.reshape(-1)]]
     return _in_kind({"point": corners}, numbers.shape, index)["point"]
 
 
@@ -362,10 +367,14 @@ def _pcg(state: int) -> int:
     return (word >> 22) ^ word
 
 
-def _bvh(mesh: Any) -> Bvh:
+def _checked(mesh: Any) -> Mesh:
     if not isinstance(mesh, Mesh):
         raise UsageError(f"mesh: is a {type(mesh).__name__}; use a claray.warp.Mesh")
-    return mesh._bvh
+    return mesh
+
+
+def _bvh(mesh: Any) -> Bvh:
+    return _checked(mesh)._bvh
 
 
 def _faces(value: Any, end: int) -> NDArray[np.uint32]:

@@ -204,6 +204,8 @@ def test_boxes_spheres_and_lookups(box):
     ("max_dist", lambda m: warp.mesh_query_point(m, np.zeros((3, 3)), np.nan)),
     ("n_sample", lambda m: warp.mesh_query_point_sign_parity(m, np.zeros((3, 3)), 1, 0)),
     ("mesh", lambda m: warp.mesh_query_point(7, np.zeros((3, 3)), 1)),
+    ("mesh", lambda m: warp.mesh_get_point("mesh", [0])),
+    ("bary_v", lambda m: warp.mesh_eval_position(m, [0, 1], [0.5, 0.5], [0.5])),
     ("low", lambda m: warp.mesh_query_aabb(m, 1, np.zeros((3, 3)))),
     ("face", lambda m: warp.mesh_eval_face_normal(m, [12])),
     ("index", lambda m: warp.mesh_get_point(m, [-1])),
