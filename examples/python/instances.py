@@ -31,12 +31,13 @@ tree = claray.Bvh(leaves.reshape(-1, 3), np.arange(6000).reshape(-1, 3))
 # Each tree has a place, a size and a turn about y.
 
 # %%
-size, turn = rng.uniform(0.6, 1.4, options.trees), rng.uniform(0, 2 * np.pi, options.trees)
-transforms = np.zeros((options.trees, 3, 4))
+trees: int = options.trees
+size, turn = rng.uniform(0.6, 1.4, trees), rng.uniform(0, 2 * np.pi, trees)
+transforms = np.zeros((trees, 3, 4))
 transforms[:, 0, 0] = transforms[:, 2, 2] = size * np.cos(turn)
 transforms[:, 0, 2], transforms[:, 2, 0] = size * np.sin(turn), -size * np.sin(turn)
 transforms[:, 1, 1] = size
-transforms[:, [0, 2], 3] = rng.uniform(-20, 20, (options.trees, 2))
+transforms[:, [0, 2], 3] = rng.uniform(-20, 20, (trees, 2))
 forest = claray.InstancedBvh(tree, transforms)
 statistics = forest.statistics()
 print(f"{statistics['instances']} trees, {statistics['instances'] * 2000:,} triangles in {(statistics['top_bytes'] + statistics['bottom_bytes']) / 1e6:.1f} MB")
@@ -50,7 +51,7 @@ directions = np.stack([0.6 * x, -0.6 * y - 0.35, -np.ones_like(x)], axis=-1)
 hits = claray.closest_hit(forest, (0, 6, 24), directions)
 found = hits["primitive"] != claray.MISS
 print(f"{found.mean():.0%} of the rays hit {len(np.unique(hits['instance'][found]))} trees")
-tints = np.array([0.15, 0.5, 0.1]) * rng.uniform(0.4, 1.6, (options.trees, 3))
+tints = np.array([0.15, 0.5, 0.1]) * rng.uniform(0.4, 1.6, (trees, 3))
 colours = np.where(found[..., None], tints[np.where(found, hits["instance"], 0)] * (12 / (1 + hits["t"]))[..., None],
                    np.where(directions[..., 1:2] < 0, [0.1, 0.07, 0.04], [0.5, 0.7, 1.0]))
 picture = np.nan_to_num(colours).astype(np.float32).view(claray.Image)

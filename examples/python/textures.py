@@ -43,7 +43,7 @@ wall = scene.add_material(
     normal_map=scene.add_texture(claray.Texture(heights).normal_map(6)),
     metallic_roughness_map=scene.add_texture(roughness))
 scene.add_mesh([[-1.5, -1, 0], [1.5, -1, 0], [1.5, 1, 0], [-1.5, 1, 0]], [[0, 1, 2], [0, 2, 3]],
-               uvs=[[0, 1], [1.5, 1], [1.5, 0], [0, 0]], material=wall)
+               uvs=[[0.0, 1.0], [1.5, 1.0], [1.5, 0.0], [0.0, 0.0]], material=wall)
 scene.sky = 0.3, 0.35, 0.4
 scene.add_light(kind="sun", direction=(1, -0.7, -0.6), intensity=(4, 3.6, 3), outer_angle=0.01)
 scene.camera = claray.Camera(position=(0.9, 0.3, 2.2), target=(0, 0, 0), vertical_fov=42)

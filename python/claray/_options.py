@@ -211,14 +211,13 @@ def set_option(native: Any, key: str, value: Any, of: str, path: str) -> None:
     is_path = isinstance(current, os.PathLike)
     try:
         if is_path:
-            value = os.fspath(value)
+            value = str(os.fspath(value))
         elif isinstance(value, (bool, str)) and type(value) is not type(current) and current is not None:
             raise TypeError  # float("1") is a number, too
         setattr(native, key, value)
     except (TypeError, OverflowError):
         kind = "a path" if is_path else "a text" if isinstance(current, str) else "True or False" if isinstance(current, bool) else "a number"
         raise UsageError(f"{path}: {value!r} is not {kind} of this option's type and range") from None
-
 
 
 def config_of(options: Mapping[str, Any]) -> Any:

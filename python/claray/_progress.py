@@ -23,8 +23,8 @@ def reports(progress: Progress) -> Iterator[Report | None]:
         yield None
     elif callable(progress):
         yield progress
-    elif progress is True or progress == "tqdm":
-        bar = _bar(required=progress == "tqdm")
+    elif progress is True or isinstance(progress, str) and progress == "tqdm":
+        bar = _bar(required=progress is not True)
         try:
             yield bar
         finally:

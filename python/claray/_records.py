@@ -174,7 +174,8 @@ def _made(of: type[Record], values: dict[str, Any]) -> Record:
 
 def _text(value: Any) -> str:
     if isinstance(value, tuple):
-        return "(" + ", ".join(map(_text, value)) + ")"
+        values: tuple[Any, ...] = value
+        return "(" + ", ".join(map(_text, values)) + ")"
     return f"{value:.7g}" if isinstance(value, float) else repr(value)
 
 

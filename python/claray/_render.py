@@ -49,6 +49,7 @@ class Renderer(Handle):
     """
 
     __slots__ = ("_config", "_devices", "_instances", "_native", "_rendered")
+    _native: Any
     _instead_of_pickling = "make it in each process; its image() is an array, which can be pickled"
 
     def __init__(self, scene: Scene, *, device: AnyDevices = None, **options: Unpack[RenderOptions]) -> None:
@@ -176,7 +177,7 @@ class Renderer(Handle):
     def aovs(self) -> dict[str, NDArray[Any]]:
         """Of the first surface at each pixel's centre: 'depth' (distance, inf: nothing), 'normal', 'albedo', 'primitive'
         and 'material' (numbers; MISS: nothing), and 'heat' (boxes and triangles tested), each (height, width) or (height, width, 3)."""
-        return self._native.aovs()
+        return cast("dict[str, NDArray[Any]]", self._native.aovs())
 
     def gbuffer(self, normals: NormalPacking = "octahedral") -> GBuffer:
         """The surfaces of aovs() in 12 bytes per pixel, as deferred renderers keep them. normals: how they are packed."""
@@ -204,21 +205,21 @@ class Renderer(Handle):
 
     def cut_off(self) -> float:
         """The share of light that is missing because paths end after max_depth surfaces, 0 to 1: an estimate."""
-        return self._native.cut_off()
+        return float(self._native.cut_off())
 
     def why_unguided(self) -> str:
         """Why the option `guide` guides no path although device, size and samples allow it; empty if it does."""
-        return self._native.why_unguided()
+        return str(self._native.why_unguided())
 
     @property
     def checkpoint_error(self) -> str:
         """Why the last checkpoint could not be written; empty if it was written."""
-        return self._native.checkpoint_error()
+        return str(self._native.checkpoint_error())
 
     @property
     def shares(self) -> list[DeviceShare]:
         """What each of several devices contributed; empty for one device."""
-        return self._native.shares()
+        return cast("list[DeviceShare]", self._native.shares())
 
     @property
     def devices(self) -> tuple[Device, ...]:
@@ -268,7 +269,7 @@ class Renderer(Handle):
     def rebuild(self, **bvh: Unpack[BvhOptions]) -> bool:
         """Builds the tree again with other options; the image does not change. Returns False, and does nothing, if the scene has instances or
         its own kernels are not in use yet."""
-        return self._native.rebuild(config_of({"bvh": bvh}).bvh)
+        return bool(self._native.rebuild(config_of({"bvh": bvh}).bvh))
 
     def __repr__(self) -> str:
         width, height = self._native.size()
@@ -311,9 +312,9 @@ def prepare(scene: Scene | None = None, *, device: AnyDevice = None, denoise: bo
     Renderer(scene, device=device, **given).image(denoise)
 
 
-def compile_kernels(effects: str | Sequence[str], *, device: AnyDevice = None, **options: Unpack[RenderOptions]) -> None:
-    """Compiles the kernels of renders of scenes with exactly the effects of these names (Scene.effects()), into the cache on disk. Raises
-    DeviceError with the compiler's log."""
+def compile_kernels(effects: str | Sequence[str], /, *, device: AnyDevice = None, **options: Unpack[RenderOptions]) -> None:
+    """Compiles the kernels of renders of scenes with exactly the effects of these names (Scene.effects()), into the cache on
+    disk. Raises DeviceError with the compiler's log."""
     names, on, config = names_of("effects", effects), device_of(device), config_of(options)
     with naming("effects"):
         _native.compile_kernels(on._native, names, config)

@@ -160,7 +160,7 @@ class Scene(Handle):
         rows = rows_of("transform", begin[None])
         if transform_end is not None:
             rows = np.concatenate([rows, rows_of("transform_end", as_array("transform_end", transform_end)[None])])
-        return self._native.add_instance(mesh, rows, text("name", name))
+        return int(self._native.add_instance(mesh, rows, text("name", name)))
 
     def set_instances(self, meshes: ArrayLike, transforms: ArrayLike, ends: ArrayLike | None = None,
                       names: Sequence[str] = ()) -> None:
@@ -192,7 +192,7 @@ class Scene(Handle):
                 raise UsageError(f"colors: has shape {given.shape}; it must be (3,), ({count}, 3) or ({count}, 2, 3)")
             tints = finite("colors", floats("colors", (np.repeat(given, 2, axis=0) if given.ndim == 2 else given).reshape(-1, 3), 3))
         first = np.empty(0, np.uint32) if segments is None else segments
-        return int(self._native.add_primitives(kind, name, points.reshape(-1, 4), first, of_each, tints))
+        return int(self._native.add_primitives(kind, text("name", name), points.reshape(-1, 4), first, of_each, tints))
 
     def add_spheres(self, centers: ArrayLike, radii: ArrayLike, *, material: ArrayLike = 0, colors: ArrayLike | None = None,
                     name: str = "") -> int:
