@@ -7,13 +7,14 @@ from typing import Any, Callable
 from numpy.typing import ArrayLike
 
 from . import _native
-from ._arrays import finite_vector
+from ._arrays import finite_vector, integer
 from ._device import AnyDevice, device_of
 from ._options import LightMapOptions, RenderOptions, config_of, light_map_config_of
 from ._render import native_scene
 from ._scene import Scene
 from ._textures import Environment, Texture, environment_from, texture_from
 from ._typing import Unpack
+from .errors import UsageError
 
 
 def bake_light_map(scene: Scene, mesh: int, *, device: AnyDevice = None, progress: Callable[[float], Any] | None = None,
@@ -24,7 +25,10 @@ def bake_light_map(scene: Scene, mesh: int, *, device: AnyDevice = None, progres
     Scene.use_light_map gives the map to the materials. Raises UsageError for options out of range, and InputError if the mesh lacks
     the coordinates, leaves 0..1 or overlaps itself, or if the scene has instances.
     """
-    return texture_from(_native.bake_light_map(device_of(device)._native, native_scene(scene), mesh, light_map_config_of(options), progress))
+    if progress is not None and not callable(progress):
+        raise UsageError(f"progress: is {progress!r}; use a function or None")
+    native, number = native_scene(scene), integer("mesh", mesh, 0, 2**31 - 1)
+    return texture_from(_native.bake_light_map(device_of(device)._native, native, number, light_map_config_of(options), progress))
 
 
 def render_probe(scene: Scene, position: ArrayLike, *, device: AnyDevice = None, **options: Unpack[RenderOptions]) -> Environment:

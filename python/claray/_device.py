@@ -7,7 +7,7 @@ import operator
 from typing import Any, Iterable, Union
 
 from . import _native
-from ._arrays import pointer
+from ._arrays import naming, pointer
 from ._handle import Handle
 from .errors import UsageError
 
@@ -30,7 +30,7 @@ class Device(Handle):
     _instead_of_pickling = "pass its index or name, and open it in each process"
 
     def __init__(self, selector: str | int = "") -> None:
-        self._native = _native.NativeDevice.open(_selector("selector", selector))
+        self._native = _native_device("selector", selector)
 
     @classmethod
     def adopt(cls, context: Any, queue: Any) -> Device:
@@ -115,6 +115,8 @@ class Event(Handle):
 
 
 def native_events(events: Iterable[Any]) -> list[Any]:
+    if not isinstance(events, Iterable):
+        raise UsageError(f"wait_for: is a {type(events).__name__}; use a list of events")
     return [e._native if isinstance(e, Event) else _native.NativeEvent.adopt(pointer("wait_for", e)) for e in events]
 
 
@@ -135,13 +137,19 @@ def _selector(name: str, value: Any) -> str:
     raise UsageError(f"{name}: is {value!r}; use a claray.Device, 'cpu', 'gpu', an index of claray.devices() or a part of a name")
 
 
+def _native_device(name: str, selector: Any) -> Any:
+    text = _selector(name, selector)
+    with naming(name):
+        return _native.NativeDevice.open(text)
+
+
 def device_of(device: AnyDevice) -> Device:
     """The device. What is not a Device is opened once, so that structures share its memory."""
     if isinstance(device, Device):
         return device
     selector = "" if device is None else _selector("device", device)
     if selector not in _opened:
-        made = Device(selector)
+        made = Device._of(_native_device("device", selector))
         _opened[selector] = next((one for one in _opened.values() if one.info["index"] == made.info["index"]), made)
     return _opened[selector]
 

@@ -53,6 +53,8 @@ def flatten(roots: Instances, groups: Sequence[Instances], structures: int = 1) 
     """
     if not isinstance(structures, (int, np.integer)) or not 0 < structures < MISS:
         raise UsageError(f"structures: is {structures!r}; use the number of structures")
+    if not isinstance(groups, (list, tuple)):
+        raise UsageError(f"groups: is a {type(groups).__name__}; use a list of claray.Instances")
     levels = [_level(f"groups[{i}]", group) for i, group in enumerate(groups)]
     transforms, bottoms, masks, offsets, steps = _native.flatten(_level("roots", roots), levels, int(structures))
     return FlatInstances(transforms, bottoms, masks, Lists(offsets, steps))

@@ -54,6 +54,8 @@ def curve_arrays(points: ArrayLike, radii: ArrayLike, segments: ArrayLike | None
     """(P, 4): place and radius of each control point; and the first control point of each segment."""
     check_choice("basis", basis, ("bspline", "bezier"))
     controls = as_array("points", points)
+    if controls.ndim < 2:
+        raise UsageError(f"points: has shape {controls.shape}; it must be (P, 3) or (C, K, 3)")
     if segments is None:
         first = _segments_of_curves(controls, 1 if basis == "bspline" else 3)
     else:
@@ -206,6 +208,8 @@ def _segments_of_curves(points: NDArray[Any], step: int) -> NDArray[np.uint32]:
 def _control_points(points: ArrayLike, radii: ArrayLike) -> NDArray[np.float32]:
     """(P, 4): place and radius."""
     controls = as_array("points", points)
+    if controls.ndim < 2:
+        raise UsageError(f"points: has shape {controls.shape}; it must be (P, 3) or (C, K, 3)")
     controls = _places("points", controls.reshape(-1, 3) if controls.ndim == 3 else controls)
     widths = as_array("radii", radii)
     return np.column_stack([controls, _radii("radii", widths if widths.ndim == 0 else widths.ravel(), len(controls))])

@@ -136,10 +136,11 @@ class Renderer(Handle):
         array to be filled.
         """
         native = self._rendered_once()
-        if denoise:
+        by = denoise if isinstance(denoise, str) else "automatic" if flag("denoise", denoise) else None
+        if by is not None:
             if width or height or out is not None:
                 raise UsageError("denoise: has the size of the render, and its own memory; leave out width, height and out")
-            return cast(Image, native.denoised("automatic" if denoise is True else denoise).view(Image))
+            return cast(Image, native.denoised(by).view(Image))
         full = native.size()
         for name, side in (("width", width), ("height", height)):
             if not isinstance(side, (int, np.integer)) or not 0 <= side <= 2**14:
@@ -303,7 +304,7 @@ def prepare(scene: Scene | None = None, *, device: AnyDevice = None, denoise: bo
     """
     on = device_of(device)
     if scene is None:
-        if options or denoise:
+        if options or isinstance(denoise, str) or flag("denoise", denoise):
             raise UsageError("prepare: options of renders need a scene")
         on._native.prepare()
         return

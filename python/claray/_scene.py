@@ -259,7 +259,7 @@ class Scene(Handle):
 
     @textures.setter
     def textures(self, textures: Iterable[AnyTexture]) -> None:
-        if isinstance(textures, str) or not isinstance(textures, Iterable):
+        if isinstance(textures, (str, np.ndarray)) or not isinstance(textures, Iterable):
             raise UsageError(f"textures: is {textures!r}; use a list of textures")
         with naming("textures"):
             self._native.set_textures([texture_of("texture", one)._native() for one in textures])

@@ -51,15 +51,15 @@ class Texture:
         array.flags.writeable = False
         check_choice("color", self.color, ("srgb", "linear"))
         check_choice("filter", self.filter, _FILTERS)
-        wrap = (self.wrap, self.wrap) if isinstance(self.wrap, str) else tuple(self.wrap)
-        if len(wrap) != 2:
+        wrap = (self.wrap, self.wrap) if isinstance(self.wrap, str) else self.wrap
+        if not isinstance(wrap, (tuple, list)) or len(wrap) != 2:
             raise UsageError(f"wrap: is {self.wrap!r}; use a name, or one for each axis")
         for one in wrap:
             check_choice("wrap", one, _WRAPS)
         if not isinstance(self.name, str):
             raise UsageError(f"name: is a {type(self.name).__name__}; use a text")
         object.__setattr__(self, "pixels", array)
-        object.__setattr__(self, "wrap", wrap)
+        object.__setattr__(self, "wrap", tuple(wrap))
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], color: Literal["srgb", "linear"] = "srgb", *,

@@ -12,6 +12,9 @@ class InputError(Error):
 class UsageError(Error, ValueError):
     """An argument with an invalid value. The message begins with the argument's name."""
 
+    def __init__(self, message: str) -> None:
+        super().__init__(" ".join(message.split()))  # what NumPy writes of an array has several lines
+
 
 class DeviceError(Error):
     """OpenCL: no platform, a failed kernel build, or too little device memory."""

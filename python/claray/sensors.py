@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import MISS, NO_FLOATS, NO_WORDS, as_array, builder_called, check_choice, finite, flag, floats, number, output, words
+from ._arrays import MISS, NO_FLOATS, NO_WORDS, as_array, builder_called, check_choice, finite, flag, floats, integer, number, output, words
 from ._device import AnyDevice, Device, device_of
 from ._handle import Handle
 from ._records import set_all
@@ -158,7 +158,8 @@ def camera(width: int, height: int, *, vertical_fov: float | None = None, focal:
 
 def look_at(position: ArrayLike, target: ArrayLike, up: ArrayLike = (0.0, 0.0, 1.0), *, optical: bool = False) -> NDArray[np.float64]:
     """A pose, (4, 4): at `position`, forwards to `target`. optical: for cameras, whose z is forwards."""
-    where, to, above = (floats(name, np.atleast_2d(as_array(name, value)), 3)[0].astype(np.float64)
+    along_z = flag("optical", optical)
+    where, to, above = (floats(name, as_array(name, value)[None], 3)[0].astype(np.float64)
                         for name, value in (("position", position), ("target", target), ("up", up)))
     ahead, left = to - where, np.cross(above, to - where)
     if not np.linalg.norm(left) > 0:
@@ -166,7 +167,7 @@ def look_at(position: ArrayLike, target: ArrayLike, up: ArrayLike = (0.0, 0.0, 1
     ahead, left = ahead / np.linalg.norm(ahead), left / np.linalg.norm(left)
     upwards = np.cross(ahead, left)
     pose = np.eye(4)
-    pose[:3] = np.stack([-left, -upwards, ahead, where] if optical else [ahead, left, upwards, where], axis=1)
+    pose[:3] = np.stack([-left, -upwards, ahead, where] if along_z else [ahead, left, upwards, where], axis=1)
     return pose
 
 
@@ -313,7 +314,7 @@ def radar(world: World, *, beams: int = 60, horizontal_fov: float = 120.0, diver
     Each ray's power falls with the square of the range, and so does the number of rays that meet a small target: together
     with the fourth power of the range, as in the radar equation. Reflectances stand for radar cross-sections.
     """
-    pattern = raster(1, beams, horizontal_fov=horizontal_fov, vertical_fov=0.0)
+    pattern = raster(1, integer("beams", beams, 1, 2**31 - 1), horizontal_fov=horizontal_fov, vertical_fov=0.0)
     return Sensor(world, Pattern(pattern.directions, 0.0), rays=rays, returns=returns, divergence=divergence,
                   range_resolution=range_resolution, velocity_resolution=velocity_resolution, **options)
 

@@ -1,4 +1,6 @@
 // Light that is rendered once and used by later images: light maps and probes.
+#include <nanobind/stl/string.h>
+
 #include "callback.hpp"
 #include "claray/renderer.hpp"
 #include "handles.hpp"

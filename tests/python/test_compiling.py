@@ -37,3 +37,11 @@ def test_prepare_compiles_for_a_scene():
     claray.prepare(scene, denoise="claray", max_depth=2)
     with pytest.raises(claray.UsageError, match="need a scene"):
         claray.prepare(denoise=True)
+
+
+def test_kernels_of_effects_are_compiled():
+    effects = claray.load("cornell").effects()
+    claray.compile_kernels(list(effects), width=8, height=8, spp=1)
+    claray.compile_kernels(",".join(effects), width=8, height=8, spp=1)
+    with pytest.raises(claray.UsageError, match="^effects: there is no effect 'lambda'"):
+        claray.compile_kernels("lambda")
