@@ -1,8 +1,8 @@
 /* The C interface of claray: exact ray queries and path tracing by OpenCL.
  *
  * Functions return CLARAY_OK or the kind of the error; claray_last_error() tells what failed, where, and what to do. A
- * handle that a function writes to its last argument is released by the _release function of its type; releasing NULL
- * does nothing. A handle keeps those alive that it was made from. Do not use the handles of one device from two threads
+ * handle that a function writes to an argument is released by the _release function of its type; releasing NULL does
+ * nothing. A handle keeps those alive that it was made from. Do not use the handles of one device from two threads
  * at once; claray_device_new_queue_create makes a device for another thread.
  *
  * Every struct with a member struct_size begins with it. Set it to sizeof of the struct, and all other members to 0 for

@@ -63,8 +63,9 @@ def by_rule(name: str, functions: dict[str, str]) -> list[str]:
 
 
 def function_rows(of_cpp: Declared, of_c: Declared, counterparts: Counterparts, faults: list[str]) -> dict[str, list[str]]:
-    """Rows of the table of each header."""
+    """Rows of the table of each header. One stands for all functions of a class that have no counterpart of their own."""
     rows: dict[str, list[str]] = {}
+    classes: set[str] = set()
     for name, header in sorted(of_cpp.functions.items(), key=lambda item: (item[1], item[0].lower())):
         named = counterparts.find(name)
         found = named if named is not None else by_rule(name, of_c.functions)
@@ -76,6 +77,11 @@ def function_rows(of_cpp: Declared, of_c: Declared, counterparts: Counterparts, 
             text = reason or "MISSING"
             if reason is None:
                 faults.append(f"{name} of {header} has no function of C and no reason in docs/api/c_counterparts.txt")
+            if (of := name.rpartition("::")[0]) in counterparts.reasons and name not in counterparts.reasons:
+                if of not in classes:
+                    rows.setdefault(header, []).append(f"| other functions of `{of}` | {text} |\n")
+                classes.add(of)
+                continue
         rows.setdefault(header, []).append(f"| `{name}` | {text} |\n")
     return rows
 
@@ -127,18 +133,23 @@ def generated(faults: list[str]) -> str:
     of_cpp, of_c = cpp(), c()
     counterparts = Counterparts((root / "docs/api/c_counterparts.txt").read_text())
     functions = function_rows(of_cpp, of_c, counterparts, faults)
-    text = "## Functions\n\nOverloads of one name have one row.\n\n| C++ | C |\n|---|---|\n"
+    of_scope = [name for name, header in of_cpp.functions.items() if header not in counterparts.reasons]
+    have = sum(1 for name in of_scope if counterparts.names.get(name) or by_rule(name, of_c.functions))
+    text = (f"## Functions\n\nOf {len(of_scope)} functions of C++ in the headers below, {have} have counterparts. "
+            "The others have a reason why not. Overloads of one name have one row.\n\n| C++ | C |\n|---|---|\n")
     for header, rows in functions.items():
         if header in counterparts.reasons:
             text += f"| all of `{header}` | {counterparts.reasons[header]} |\n"
             counterparts.used.add(header)
         else:
             text += f"| **`{header}`** | |\n" + "".join(rows)
-    text += "\n## Structs\n\nMembers have the same names, except for those in the last column.\n\n| C++ | C | members |\n|---|---|---|\n"
+    text += "\n## Structs\n\nMembers have the same names, except for those in the last column.\n\n"
+    text += "| C++ | C | members |\n|---|---|---|\n"
     text += "".join(struct_rows(of_cpp, of_c, counterparts, faults))
     told = set(re.findall(r"`(claray_\w+)`", text))
     alone = sorted(name for name in of_c.functions if name not in told and not name.endswith("_release"))
-    text += "\n## Functions of C alone\n\nThey read handles, or do what C++ does by members of a struct. Each type of handle also has a `_release` function.\n\n"
+    text += "\n## Functions of C alone\n\nThey read handles, or do what C++ does by members of a struct. "
+    text += "Each type of handle also has a `_release` function.\n\n"
     text += "".join(f"- `{name}`\n" for name in alone)
     faults += [f"c_counterparts.txt: {name}: C++ has no such name" for name in sorted(counterparts.unused())]
     return text

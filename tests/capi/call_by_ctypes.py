@@ -110,7 +110,8 @@ def test_render(device: ctypes.c_void_p) -> None:
     renderer = made("claray_renderer_create", device, scene, reference(config))
     calls: list[int] = []
     kind = header.callbacks["claray_progress_callback"]
-    callback = kind(lambda progress, user: calls.append(ctypes.cast(progress, ctypes.POINTER(header.structs["claray_progress"]))[0].spp) or 1)
+    pointer = ctypes.POINTER(header.structs["claray_progress"])
+    callback = kind(lambda progress, user: calls.append(ctypes.cast(progress, pointer)[0].spp) or 1)
     reached = struct("claray_progress")
     expect(call["claray_renderer_render"](renderer, callback, None, reference(reached)) == 0 and reached.spp == 1, "render")
     expect(calls == [1] * len(calls) and len(calls) > 0, f"the callback got {calls}")

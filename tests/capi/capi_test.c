@@ -587,7 +587,26 @@ static void test_scene_primitives(claray_device* device) {
     claray_renderer_release(renderer), claray_scene_release(scene);
 }
 
+/* Commands that take some milliseconds. */
+static void test_finish(claray_device* device) {
+    const size_t bytes = (size_t)1 << 27;
+    const cl_uint zero = 0;
+    cl_event last = NULL;
+    cl_int state = CL_QUEUED;
+    cl_mem memory = clCreateBuffer((cl_context)claray_device_context(device), CL_MEM_READ_WRITE, bytes, NULL, NULL);
+    for (int i = 0; i < 3; ++i) {
+        if (last) clReleaseEvent(last);
+        EXPECT(clEnqueueFillBuffer((cl_command_queue)claray_device_queue(device), memory, &zero, sizeof zero, 0, bytes,
+                                   0, NULL, &last) == CL_SUCCESS);
+    }
+    EXPECT(claray_device_finish(device) == CLARAY_OK);
+    EXPECT(clGetEventInfo(last, CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof state, &state, NULL) == CL_SUCCESS);
+    EXPECT(state == CL_COMPLETE);
+    clReleaseEvent(last), clReleaseMemObject(memory);
+}
+
 static void test_basics(claray_device* device) {
+    test_finish(device);
     test_queries(device);
     test_closed(device);
     test_builders(device);
@@ -620,7 +639,7 @@ int main(int argc, char** argv) {
         printf("%s\n", claray_last_error());
         return 1;
     }
-    EXPECT(strlen(claray_device_name(device)) > 0);
+    EXPECT(strlen(claray_device_name(device)) > 0 && strchr(claray_version(), '.') != NULL);
     for (size_t i = 0; i < sizeof groups / sizeof *groups; ++i) {
         int wanted = argc < 2;
         for (int k = 1; k < argc; ++k) wanted |= strcmp(argv[k], groups[i].name) == 0;

@@ -45,8 +45,9 @@ def faults_of_style(header: Header) -> Iterator[str]:
         if not re.fullmatch(r"claray_[a-z0-9_]+", name):
             yield f"{name} is no lower-case name with the prefix claray_"
         for argument in arguments:
-            if re.match(r"(const )?(claray_\w+) \w+$", argument) and (kind := re.match(r"(const )?(claray_\w+)", argument)[2]) in header.structs:  # type: ignore[index]
-                yield f"{name} takes a {kind} by value"
+            of = re.match(r"(?:const )?(claray_\w+) \w+$", argument)
+            if of and of[1] in header.structs:
+                yield f"{name} takes a {of[1]} by value"
 
 
 def without_name(argument: str) -> str:
@@ -69,7 +70,7 @@ def layout(header: Header) -> list[str]:
 
 
 def faults_of_compilers(header: Header) -> Iterator[str]:
-    """The header compiles alone, and the compiler agrees with ctypes about each offset."""
+    """The header compiles alone, the tests are C++, too, and the compiler agrees with ctypes about each offset."""
     compilers = [name for name in ("clang-14", "clang", "gcc", "cc") if shutil.which(name)][:1]
     asserts = "".join(f"_Static_assert(offsetof({name}, {member}) == {getattr(kind, member).offset}, \"\");\n"
                       for name, kind in header.structs.items() for member, *_ in kind._fields_)
@@ -82,6 +83,12 @@ def faults_of_compilers(header: Header) -> Iterator[str]:
                                   input=source, text=True, capture_output=True)
             if done.returncode:
                 yield f"{compiler} {' '.join(options)}: {done.stderr.strip()[:2000]}"
+        tests = sorted(Path(__file__).parent.glob("*_test.c"))
+        options = ["-std=c++11", "-Wall", "-Wextra", "-Wno-missing-field-initializers", "-Werror", "-fsyntax-only"]
+        done = subprocess.run([compiler, "-x", "c++", *options, f"-I{path.parent}", "-DCL_TARGET_OPENCL_VERSION=120", *tests],
+                              text=True, capture_output=True)
+        if done.returncode:
+            yield f"{compiler} with the tests as C++: {done.stderr.strip()[:2000]}"
 
 
 def faults_of_library(header: Header, library: str) -> Iterator[str]:

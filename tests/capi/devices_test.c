@@ -68,7 +68,8 @@ static void test_tuning(claray_device* device) {
     EXPECT(claray_device_tuning(device, "bvh/automatic", "BUILDER", &after) == CLARAY_OK && after == before + 1);
     EXPECT(claray_device_set_tuning(device, "bvh/automatic", "BUILDER", before) == CLARAY_OK);
     EXPECT(claray_device_tuning(device, "no/kernel", "BUILDER", &after) != CLARAY_OK);
-    EXPECT(claray_device_warnings_create(device, &warnings) == CLARAY_OK && claray_lines_count(warnings) == 0);
+    EXPECT(claray_device_warnings_create(device, &warnings) == CLARAY_OK && warnings != NULL &&
+           claray_lines_count(warnings) == 0);
     claray_lines_release(warnings);
     claray_builder builder = CLARAY_BUILDER_AUTOMATIC;
     EXPECT(claray_builder_resolve(device, CLARAY_BUILDER_AUTOMATIC, &builder) == CLARAY_OK);

@@ -83,7 +83,10 @@ static void test_kernels_of_renderer(claray_renderer* renderer) {
     STRUCT(claray_bvh_config, config);
     STRUCT(claray_render_statistics, statistics);
     STRUCT(claray_bvh_statistics, bvh);
+    float image[floats];
+    EXPECT(claray_renderer_render(renderer, NULL, NULL, NULL) == CLARAY_OK);
     EXPECT(claray_renderer_settle(renderer) == CLARAY_OK);
+    EXPECT(claray_renderer_image(renderer, image, floats) == CLARAY_OK && mean_of(image, floats) == 0); /* no samples */
     EXPECT(claray_renderer_render(renderer, NULL, NULL, NULL) == CLARAY_OK);
     config.builder = CLARAY_BUILDER_BINNED;
     EXPECT(claray_renderer_rebuild(renderer, &config, &rebuilt) == CLARAY_OK && rebuilt == 1);

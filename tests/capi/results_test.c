@@ -79,7 +79,12 @@ static void test_denoisers(claray_renderer* renderer, const float* image) {
     EXPECT(installed || strstr(claray_last_error(), "Open Image Denoise") != NULL);
     EXPECT(claray_renderer_denoised(renderer, CLARAY_DENOISER_CLARAY, denoised, floats) == CLARAY_OK);
     EXPECT(roughness_of(denoised) < 0.7 * roughness_of(image));
+    STRUCT(claray_render_statistics, before);
+    STRUCT(claray_render_statistics, after);
+    EXPECT(claray_renderer_statistics_get(renderer, NULL, &before) == CLARAY_OK);
     EXPECT(claray_renderer_release_denoiser(renderer) == CLARAY_OK);
+    EXPECT(claray_renderer_statistics_get(renderer, NULL, &after) == CLARAY_OK);
+    EXPECT(after.device_bytes < before.device_bytes);
     EXPECT_ERROR(claray_renderer_denoised(renderer, CLARAY_DENOISER_CLARAY, denoised, 4), CLARAY_ERROR_USAGE,
                  "count is 4");
     EXPECT_ERROR(claray_renderer_denoised(renderer, (claray_denoiser)3, denoised, floats), CLARAY_ERROR_USAGE,
@@ -106,7 +111,7 @@ static void test_gbuffer(claray_renderer* renderer) {
 static void test_image_files(const float* image) {
     claray_image* loaded = NULL;
     STRUCT(claray_texture, texture);
-    float values[pixels], rgb[floats];
+    float values[pixels], rgb[floats] = {0};
     uint32_t numbers[pixels];
     for (int i = 0; i < pixels; ++i) values[i] = (float)i, numbers[i] = (uint32_t)(i % 5);
     EXPECT(claray_check_writable("capi_image.pfm") == CLARAY_OK);

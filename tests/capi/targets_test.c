@@ -11,6 +11,7 @@ static void test_models(claray_device* device, const claray_scene* scene) {
     claray_lines* rows = NULL;
     int calls = 0;
     STRUCT(claray_device_model, model);
+    model.known = 7;
     EXPECT(claray_device_model_get(device, &model) == CLARAY_OK);
     EXPECT(model.known == (model.fast.samples_per_second > 0));
     EXPECT(claray_device_model_measure(device, 1000, stop_measuring, &calls, &model) == CLARAY_OK);
@@ -28,7 +29,7 @@ static void test_models(claray_device* device, const claray_scene* scene) {
     EXPECT(builder == CLARAY_BUILDER_HIGH);
     STRUCT(claray_render_config, config);
     STRUCT(claray_bvh_config, bvh);
-    bvh.builder = CLARAY_BUILDER_BINNED, config.bvh = &bvh, config.spp = 1;
+    builder = CLARAY_BUILDER_AUTOMATIC, bvh.builder = CLARAY_BUILDER_BINNED, config.bvh = &bvh, config.spp = 1;
     EXPECT(claray_builder_for_samples(device, scene, &config, &builder) == CLARAY_OK);
     EXPECT(builder != CLARAY_BUILDER_AUTOMATIC);
     EXPECT_ERROR(claray_device_model_rows_create(NULL, &rows), CLARAY_ERROR_USAGE, "model is NULL");
