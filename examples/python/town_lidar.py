@@ -51,7 +51,7 @@ duration = 0.1
 
 
 def car_at(seconds):
-    here = np.array([options.blocks // 2 * PITCH - STREET / 2 + 2.6, 0.3 * town.extent + 10 * seconds, 1.9])
+    here = np.array([options.blocks // 2 * PITCH - STREET / 2 + 2.6, 0.36 * town.extent + 10 * seconds, 1.9])
     return sensors.look_at(here, here + (0, 1, 0)), sensors.look_at(here, here + (0, 1, 0), optical=True)
 
 

@@ -10,6 +10,14 @@ namespace {
 /// Fixed triangles beyond these stay instances if their meshes are placed several times.
 constexpr std::size_t most_copied_triangles = std::size_t(1) << 26;
 
+/// As validate, but a scene without materials is one of a white material.
+void check(const Scene& scene) {
+    if (!scene.materials.empty()) return validate(scene);
+    Scene white = scene;
+    white.materials.resize(1);
+    validate(white);
+}
+
 std::vector<MeshInstance> instances_of(const Scene& scene) {
     std::vector<MeshInstance> instances = scene.instances;
     if (instances.empty())
@@ -134,7 +142,7 @@ void place(std::vector<Instance>& instances, std::span<const glm::mat4> matrices
 
 SensorWorld SensorWorld::build(const Device& device, const Scene& scene, std::span<const std::uint32_t> movers,
                                std::span<const float> reflectances, Builder builder) {
-    validate(scene);
+    check(scene);
     if (claray::triangle_count(scene) == 0) throw Error(ErrorKind::usage, "scene: has no triangles");
     const std::vector<MeshInstance> instances = instances_of(scene);
     const std::vector<bool> movable = movable_of(instances, movers);

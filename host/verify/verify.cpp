@@ -19,11 +19,12 @@ using namespace verify;
 const Cases& entries() {
     static const Cases all = [] {
         Cases joined;
-        for (const auto& family : {device_cases,   function_cases,  edge_cases,     triangle_cases,    box_cases,
-                                   tree_cases,     refit_cases,     instance_cases, query_cases,       primitive_cases,
-                                   material_cases, media_cases,     image_cases,    harmonics_cases,   shading_cases,
-                                   gbuffer_cases,  wave_cases,      random_cases,   light_cases,       near_light_cases,
-                                   sameness_cases, committed_cases, drawn_cases,    drawn_query_cases, probe_cases})
+        for (const auto& family :
+             {device_cases,      function_cases, edge_cases,       triangle_cases,  box_cases,       tree_cases,
+              refit_cases,       instance_cases, query_cases,      primitive_cases, sensor_cases,    material_cases,
+              media_cases,       image_cases,    harmonics_cases,  shading_cases,   gbuffer_cases,   wave_cases,
+              random_cases,      light_cases,    near_light_cases, sameness_cases,  committed_cases, drawn_cases,
+              drawn_query_cases, probe_cases})
             for (const Case& one : family()) joined.push_back(one);
         return joined;
     }();

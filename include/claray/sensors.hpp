@@ -8,7 +8,7 @@
 
 #include "claray/bvh.hpp"
 #include "claray/scene.hpp"
-#include "claray/shared/sensors.h"
+#include "claray/shared/sensors/beams.h"
 
 namespace claray {
 

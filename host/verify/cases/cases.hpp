@@ -23,6 +23,7 @@ using Cases = std::vector<Case>;
 [[nodiscard]] Cases instance_cases();
 [[nodiscard]] Cases query_cases();
 [[nodiscard]] Cases primitive_cases();
+[[nodiscard]] Cases sensor_cases();
 [[nodiscard]] Cases material_cases();
 [[nodiscard]] Cases media_cases();
 [[nodiscard]] Cases image_cases();

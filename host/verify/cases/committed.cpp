@@ -315,6 +315,9 @@ std::string committed_hash(const std::string& name) {
         {"drawn coarse trees balanced", "6808f6c6281a6185bce174ee29ef4c89"},
         {"drawn coarse trees high", "16324f669ce0e4fbb41e8ce766af6ec8"},
         {"drawn coarse trees binned", "8e8992c6584babb73661c6476c48ad49"},
+        {"scan of one ray a beam", "834a9e9d20bc4b4d44406c22f61bd58f"},
+        {"scan of five rays a beam", "61f53e0e87f403d8edaaf448b4fb536a"},
+        {"scan of eight rays a beam, last returns", "de01df546c9bf62b5d6e9f3ec8536b7a"},
     };
     const auto found = hashes.find(name);
     return found == hashes.end() ? std::string() : found->second;

@@ -107,6 +107,32 @@ TEST(Sensors, AnEdgeDividesABeam) {
     EXPECT_EQ(returns[1].instance, CLARAY_MISS);
 }
 
+/// The wall behind an edge reflects more: its return is the strongest, and tells what a return of both met.
+TEST(Sensors, TheStrongestSurfaceCounts) {
+    Mesh half = square_at(10, 1), wall = square_at(20, 50);
+    for (glm::vec3& p : half.positions) p.y += 1;
+    wall.materials = {1, 1};
+    Scene scene = scene_of({half, wall});
+    scene.materials.resize(2);
+    const std::vector<float> reflectances{0.2f, 8};
+    const SensorWorld world = SensorWorld::build(device(), scene, {}, reflectances);
+    SensorConfig config;
+    config.pattern = along_x();
+    config.rays = 63, config.returns = 3, config.divergence = {0.01, 0.01};
+    const std::vector<SensorReturn> apart = scan_once(world, config);
+    EXPECT_NEAR(apart[0].range, 20, 1e-3);
+    EXPECT_NEAR(apart[1].range, 10, 1e-3);
+    EXPECT_EQ(apart[0].material, 1u);
+    config.range_resolution = 15;
+    const SensorReturn both = scan_once(world, config)[0];
+    EXPECT_EQ(both.material, 1u);
+    EXPECT_EQ(both.instance, 1u);
+    EXPECT_NEAR(both.range, 10 * apart[1].share + 20 * apart[0].share, 1e-4);
+    EXPECT_FLOAT_EQ(both.intensity, apart[0].intensity + apart[1].intensity);
+    config.range_resolution = 0.1f, config.least_intensity = 0.5f * (apart[0].intensity + apart[1].intensity);
+    EXPECT_EQ(scan_once(world, config)[1].instance, CLARAY_MISS);
+}
+
 TEST(Sensors, MoversAndTheSensorGiveVelocities) {
     Scene scene = scene_of({square_at(0, 1)});
     scene.instances = {{.mesh = 0, .transform = glm::translate(glm::mat4(1), {10, 0, 0})}};

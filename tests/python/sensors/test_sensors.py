@@ -197,19 +197,22 @@ import hashlib, sys, numpy as np, claray
 from claray import sensors
 scene = claray.load("terrain:20000")
 low, high = scene.bounds
-scene.set_instances([0, 0], [np.eye(4), np.diag([0.2, 0.2, 3, 1.0])])
+extent, up = float((high - low).max()), np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0]])  # z is up, as for lidars
+small = 0.1 * up
+small[:, 3] = up[:, :3] @ (0.5 * (low + high)) + (0.1 * extent, 0, 0.05 * extent)
+turned = small @ np.array([[0.9, 0, 0.3, 0], [0, 1, 0, 0], [-0.3, 0, 0.9, 0], [0.0, 0, 0, 1]])
+scene.set_instances([0, 0], [up, small])
 world = sensors.World(scene, movers=[1], reflectances=np.linspace(0.2, 0.9, len(scene.materials)))
-turned = np.array([[0.19, -0.05, 0, 1], [0.05, 0.19, 0, 2], [0, 0, 3.0, 0.5]])
-world.move([np.diag([0.2, 0.2, 3, 1.0])[:3]], [turned])
-middle = 0.5 * (low + high)
-pose = sensors.look_at(middle + (0, 0.3 * (high[0] - low[0]), 0), middle + (1, 0, 0.3))
-end = sensors.look_at(middle + (0.1, 0.3 * (high[0] - low[0]), 0), middle + (1, 0, 0.9))
+world.move([small], [turned])
+middle = up[:, :3] @ (0.5 * (low + high)) + (0, 0, 0.08 * extent)
+pose = sensors.look_at(middle, middle + (1, 0, 0.1))
+end = sensors.look_at(middle + (0.1, 0, 0), middle + (1, 0.3, 0.2))
 digest = hashlib.sha256()
 for options in (dict(rays=1), dict(rays=5, returns=3, divergence=(0.3, 0.1), range_noise=0.02, intensity_noise=0.1, velocity_noise=0.1,
                                    dropout=0.05, extinction=0.001, seed=3), dict(rays=4, returns=2, order="last", frame="world", divergence=1)):
     for pattern in (sensors.spinning(np.linspace(10, -60, 16), 300), sensors.rosette(5000, fov=70)):
-        scan = sensors.Sensor(world, pattern, farthest=1e4, **options).scan(pose, end, number=4)
-        assert scan.valid.any() and not scan.valid.all(), options
+        scan = sensors.Sensor(world, pattern, farthest=2 * extent, **options).scan(pose, end, number=4)
+        assert {0, 1} <= set(scan.returns['instance'][scan.valid]) and not scan.valid.all(), options
         digest.update(scan.returns.tobytes())
 print("hash", digest.hexdigest(), claray.default_device().name)
 """

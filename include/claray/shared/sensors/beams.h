@@ -1,6 +1,6 @@
 // Beams, poses and returns of sensors, shared by the host and all kernels.
-#ifndef CLARAY_SHARED_SENSORS_H
-#define CLARAY_SHARED_SENSORS_H
+#ifndef CLARAY_SHARED_SENSORS_BEAMS_H
+#define CLARAY_SHARED_SENSORS_BEAMS_H
 
 #include "claray/shared/portable.h"
 
