@@ -25,7 +25,7 @@ scene = claray.load(options.scene)
 bvh = claray.Bvh(scene)
 low, high = scene.bounds
 side: int = options.side
-x, z = (np.linspace(low[k], high[k], side + 2)[1:-1] for k in (0, 2))
+x, z = (np.linspace(float(low[k]), float(high[k]), side + 2)[1:-1] for k in (0, 2))
 above = np.stack(np.broadcast_arrays(x, high[1] + 1, z[:, None]), axis=-1).reshape(-1, 3)
 ground = claray.closest_hit(bvh, above, (0, -1, 0), coherence="coherent")
 on_ground = ground["primitive"] != claray.MISS

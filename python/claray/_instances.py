@@ -18,7 +18,7 @@ from .errors import UsageError
 
 
 def _structures(bvhs: Any) -> list[Bvh]:
-    structures = [bvhs] if isinstance(bvhs, Bvh) else list(bvhs) if isinstance(bvhs, Iterable) else []
+    structures: list[Any] = [bvhs] if isinstance(bvhs, Bvh) else list(bvhs) if isinstance(bvhs, Iterable) else []  # pyright: ignore[reportUnknownArgumentType]
     if not structures or not all(isinstance(bvh, Bvh) for bvh in structures):
         raise UsageError("bvhs: use a claray.Bvh, or a sequence of at least one")
     if any(bvh.origin is not None for bvh in structures):

@@ -203,21 +203,25 @@ def set_option(native: Any, key: str, value: Any, of: str, path: str) -> None:
     if key == "approximate":
         value = names_of("approximate", value) or "nothing"
     if type(current).__name__.startswith("Native"):
-        if not isinstance(value, Mapping):
-            raise UsageError(f"{path}: is {value!r}; use a dict of options")
-        for name, inner in cast("Mapping[str, Any]", value).items():
-            set_option(current, name, inner, of, f"{path}.{name}")
+        _set_inner(current, value, of, path)
         return
     is_path = isinstance(current, os.PathLike)
     try:
         if is_path:
-            value = str(os.fspath(value))
+            value = str(os.fspath(value))  # pyright: ignore[reportUnknownArgumentType]
         elif isinstance(value, (bool, str)) and type(value) is not type(current) and current is not None:
             raise TypeError  # float("1") is a number, too
         setattr(native, key, value)
     except (TypeError, OverflowError):
         kind = "a path" if is_path else "a text" if isinstance(current, str) else "True or False" if isinstance(current, bool) else "a number"
         raise UsageError(f"{path}: {value!r} is not {kind} of this option's type and range") from None
+
+
+def _set_inner(native: Any, options: Any, of: str, path: str) -> None:
+    if not isinstance(options, Mapping):
+        raise UsageError(f"{path}: is {options!r}; use a dict of options")
+    for name, value in cast("Mapping[str, Any]", options).items():
+        set_option(native, name, value, of, f"{path}.{name}")
 
 
 def config_of(options: Mapping[str, Any]) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from contextlib import contextmanager
 from importlib import import_module
-from typing import Any, Callable, Iterator, Literal, Union
+from typing import Any, Callable, Generator, Literal, Union
 
 from ._options import RenderProgress
 from .errors import UsageError
@@ -17,7 +17,7 @@ without it; "tqdm" for a bar; None or False for nothing."""
 
 
 @contextmanager
-def reports(progress: Progress) -> Iterator[Report | None]:
+def reports(progress: Progress) -> Generator[Report | None, None, None]:
     """The function to call; its last call is with what was reached."""
     if progress is None or progress is False:
         yield None

@@ -174,7 +174,7 @@ def _made(of: type[Record], values: dict[str, Any]) -> Record:
 
 def _text(value: Any) -> str:
     if isinstance(value, tuple):
-        values: tuple[Any, ...] = value
+        values: tuple[Any, ...] = value  # pyright: ignore[reportUnknownVariableType]
         return "(" + ", ".join(map(_text, values)) + ")"
     return f"{value:.7g}" if isinstance(value, float) else repr(value)
 
@@ -360,7 +360,7 @@ class Records(MutableSequence[R]):
 
     def assign(self, values: Iterable[R]) -> None:
         if isinstance(values, (str, Record, np.ndarray)) or not isinstance(values, Iterable):
-            raise UsageError(f"{self._of._kind}s: is a {type(values).__name__}; use a list of claray.{self._of.__name__}")
+            raise UsageError(f"{self._of._kind}s: is a {type(values).__name__}; use a list of claray.{self._of.__name__}")  # pyright: ignore[reportUnknownArgumentType]
         with naming(f"{self._of._kind}s"):
             self[:] = list(values)
 

@@ -97,7 +97,7 @@ class Scene(Handle):
         """Adds an image and returns its number, for the maps of materials. image: a Texture, an array as of Texture, or the name
         of a file. color: what bytes mean: "srgb" for colours, "linear" for other maps; a Texture has its own."""
         texture = texture_of("image", image) if isinstance(image, Texture) else texture_of("image", image, color=color)
-        self._native.set_textures([*self._native_textures(), texture._native()])
+        self._native.add_texture(texture._native())
         return int(self._native.texture_count()) - 1
 
     def add_mesh(self, vertices: ArrayLike, triangles: ArrayLike, *, normals: ArrayLike | None = None,
@@ -442,7 +442,7 @@ def _append(records: Records[Any], name: str, record: Any, properties: dict[str,
 
 
 def _plain(values: Mapping[str, Any]) -> dict[str, Any]:
-    return {key: np.array(value) if isinstance(value, np.ndarray) else value for key, value in values.items()}
+    return {key: np.array(value) if isinstance(value, np.ndarray) else value for key, value in values.items()}  # pyright: ignore[reportUnknownArgumentType]
 
 
 def _restored(state: Mapping[str, Any]) -> Scene:

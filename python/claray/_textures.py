@@ -41,7 +41,7 @@ class Texture:
         if array.dtype.kind == "f":
             with np.errstate(over="ignore"):
                 array = array.astype(np.float32, copy=False)
-        if array.dtype not in (np.uint8, np.float32):
+        if array.dtype.name not in ("uint8", "float32"):
             raise UsageError(f"pixels: has dtype {array.dtype}; use uint8, or floats")
         if array.ndim == 2:
             array = array[..., None]
@@ -105,7 +105,7 @@ def texture_of(name: str, given: Any, **options: Any) -> Texture:
         return given
     if isinstance(given, (str, os.PathLike)):
         with naming(name):
-            return Texture.load(given, **options)
+            return Texture.load(given, **options)  # pyright: ignore[reportUnknownArgumentType]
     try:
         return Texture(as_array(name, given), **options)
     except UsageError as error:
@@ -131,8 +131,8 @@ class Environment:
     rotation: float = 0.0
 
     def __init__(self, images: AnyTexture | Sequence[AnyTexture], strength: float = 1.0, rotation: float = 0.0) -> None:
-        several = isinstance(images, (list, tuple)) and len(images) == 6
-        faces = [texture_of("images", one) for one in images] if several else [texture_of("images", images)]  # type: ignore[union-attr]
+        given: Any = images
+        faces = [texture_of("images", one) for one in (given if type(given) in (list, tuple) and len(given) == 6 else [given])]
         object.__setattr__(self, "images", tuple(faces))
         object.__setattr__(self, "strength", number("strength", strength))
         object.__setattr__(self, "rotation", number("rotation", rotation))

@@ -7,11 +7,12 @@
 #include "callback.hpp"
 #include "claray/effects.hpp"
 #include "handles.hpp"
+#include "typed.hpp"
 
 namespace claray::python {
 namespace {
 
-nb::list causes(const Scene& scene) {
+List causes(const Scene& scene) {
     nb::list rows;
     for (const EffectCause& cause : causes_of_effects(scene)) {
         nb::dict row;
@@ -23,7 +24,7 @@ nb::list causes(const Scene& scene) {
     return rows;
 }
 
-nb::dict as_dict(const measure::Variant& variant) {
+Dict as_dict(const measure::Variant& variant) {
     const auto& [milliseconds, compile_milliseconds, registers, spill_bytes, bytes] = variant;
     nb::dict dict;
     dict["milliseconds"] = milliseconds;
@@ -34,7 +35,7 @@ nb::dict as_dict(const measure::Variant& variant) {
     return dict;
 }
 
-nb::dict as_dict(const measure::ExplainedEffect& e) {
+Dict as_dict(const measure::ExplainedEffect& e) {
     nb::dict dict;
     dict["effect"] = name_of(e.effect);
     dict["used"] = e.called_for;
@@ -48,7 +49,7 @@ nb::dict as_dict(const measure::ExplainedEffect& e) {
     return dict;
 }
 
-nb::dict as_dict(const measure::ExplainedApproximation& a) {
+Dict as_dict(const measure::ExplainedApproximation& a) {
     nb::dict dict;
     dict["approximation"] = to_string(a.approximate);
     dict["ratio"] = a.ratio;
@@ -58,8 +59,8 @@ nb::dict as_dict(const measure::ExplainedApproximation& a) {
 }
 
 /// `only`: the effects to measure; none: those that the scene uses.
-nb::dict explain(const PyDevice& device, const Scene& scene, const RenderConfig& config,
-                 const std::optional<std::string>& only, int rounds, bool compile_times, const nb::object& progress) {
+Dict explain(const PyDevice& device, const Scene& scene, const RenderConfig& config,
+             const std::optional<std::string>& only, int rounds, bool compile_times, const nb::object& progress) {
     measure::ExplainOptions options;
     options.only = only ? parse_effects(*only) : effects_of(scene);
     options.everything = false;

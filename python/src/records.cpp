@@ -7,6 +7,7 @@
 #include "handles.hpp"
 #include "names.hpp"
 #include "texture_use.hpp"
+#include "typed.hpp"
 #include "vectors.hpp"
 
 namespace claray::python {
@@ -42,7 +43,7 @@ inline constexpr Named<MaterialKind> custom_kind = {MaterialKind::custom, "custo
 }
 
 MaterialKind material_kind_called(const std::string& name) {
-    return name == custom_kind.name ? custom_kind.kind : kind_of("Material", name, material_kinds);
+    return name == custom_kind.name ? custom_kind.kind : kind_of("kind", name, material_kinds);
 }
 
 void bind_maps(nb::class_<Material>& material) {
@@ -121,7 +122,7 @@ void bind_light(nb::module_& module) {
         .def("copy", [](const Light& from) { return Light(from); })
         .def_prop_rw(
             "kind", [](const Light& l) { return name_in(light_kinds, l.kind); },
-            [](Light& l, const std::string& name) { l.kind = kind_of("Light", name, light_kinds); })
+            [](Light& l, const std::string& name) { l.kind = kind_of("kind", name, light_kinds); })
         .def_rw("name", &Light::name)
         .def_rw("position", &Light::position)
         .def_rw("direction", &Light::direction)
@@ -148,7 +149,7 @@ void bind_camera(nb::module_& module) {
         .def_rw("target_end", &Camera::target_end, nb::for_setter(nb::arg("target_end").none()))
         .def_prop_rw(
             "projection", [](const Camera& c) { return name_in(projections, c.projection); },
-            [](Camera& c, const std::string& name) { c.projection = kind_of("Camera", name, projections); })
+            [](Camera& c, const std::string& name) { c.projection = kind_of("projection", name, projections); })
         .def_rw("orthographic_height", &Camera::orthographic_height);
 }
 
@@ -158,7 +159,7 @@ void bind_records(nb::module_& module) {
     bind_material(module);
     bind_light(module);
     bind_camera(module);
-    module.def("record_names", [] {
+    module.def("record_names", []() -> Dict {
         nb::dict names;
         names["MaterialKind"] = nb::cast<nb::tuple>(names_of(material_kinds) + nb::make_tuple(custom_kind.name));
         names["LightKind"] = names_of(light_kinds);

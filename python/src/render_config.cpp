@@ -7,6 +7,7 @@
 
 #include "handles.hpp"
 #include "structures.hpp"
+#include "typed.hpp"
 
 namespace claray::python {
 namespace {
@@ -118,7 +119,7 @@ void bind_render_config(nb::module_& module) {
         .def_rw("checkpoint_seconds", &RenderConfig::checkpoint_seconds)
         .def_rw("resume", &RenderConfig::resume);
     def_named(config, "sampler", &RenderConfig::sampler, samplers);
-    module.def("names", [] {
+    module.def("names", []() -> Dict {
         nb::dict names;
         names["Sampler"] = names_of(samplers);
         names["Denoiser"] = names_of(denoisers);

@@ -14,6 +14,7 @@
 #include "claray/scale/render_group.hpp"
 #include "render_config.hpp"
 #include "structures.hpp"
+#include "typed.hpp"
 
 namespace claray::python {
 namespace {
@@ -54,7 +55,7 @@ PyRenderer make_renderer(const std::vector<PyDevice>& devices, const Scene& scen
     });
 }
 
-nb::dict as_dict(const RenderProgress& p) {
+Dict as_dict(const RenderProgress& p) {
     const auto& [spp, spp_target, seconds, noise, error, error_bound, error_of_fireflies, error_spp, cut_off,
                  own_kernels, waits_for_kernels, dropped_samples, culled] = p;
     nb::dict dict;
@@ -76,7 +77,7 @@ nb::dict as_dict(const RenderProgress& p) {
 }
 
 /// `seconds`: as of Renderer::render_for; none: as of Renderer::render.
-nb::dict render(PyRenderer& self, const nb::object& progress, const std::optional<double>& seconds) {
+Dict render(PyRenderer& self, const nb::object& progress, const std::optional<double>& seconds) {
     Callback callback(progress);
     const auto report = [&](const RenderProgress& p) { return callback([&] { return as_dict(p); }); };
     const RenderProgress reached = without_gil(self.devices, [&] {
@@ -117,7 +118,7 @@ nb::object picture(PyRenderer& self, float exposure, const std::string& tone_map
     return array_of<std::uint8_t>(std::move(colors), {height ? height : self.height, width ? width : self.width, 3});
 }
 
-nb::dict aovs(PyRenderer& self) {
+Dict aovs(PyRenderer& self) {
     Aovs all = without_gil(self.devices, [&] { return self.renderer().aovs(); });
     const std::vector<std::size_t> one = {self.height, self.width}, three = {self.height, self.width, 3};
     nb::dict dict;
@@ -130,7 +131,7 @@ nb::dict aovs(PyRenderer& self) {
 }
 
 /// Words of each pixel, normals, positions, and the matrix by rows.
-nb::tuple gbuffer(PyRenderer& self, const std::string& packing) {
+Tuple gbuffer(PyRenderer& self, const std::string& packing) {
     const NormalPacking kind = kind_of("normals", packing, normal_packings);
     std::vector<glm::vec3> normals, positions;
     GBuffer buffer = without_gil(self.devices, [&] {
@@ -171,14 +172,14 @@ void resize(PyRenderer& self, unsigned width, unsigned height) {
     self.width = width, self.height = height;
 }
 
-nb::dict as_dict(const RayCount& count) {
+Dict as_dict(const RayCount& count) {
     nb::dict dict;
     dict["rays"] = count.rays;
     dict["milliseconds"] = count.milliseconds;
     return dict;
 }
 
-nb::dict statistics(PyRenderer& self) {
+Dict statistics(PyRenderer& self) {
     const RenderStatistics all = without_gil(self.devices, [&] { return self.renderer().statistics(); });
     const auto& [first_pixel_seconds, first_pixel_processor_seconds, start, own_kernels_from, own_kernels,
                  build_milliseconds, bvh, primitives, camera, bounce, shadow, in_paths, effects, device_bytes,
@@ -211,7 +212,7 @@ nb::dict statistics(PyRenderer& self) {
     return dict;
 }
 
-nb::list shares(PyRenderer& self) {
+List shares(PyRenderer& self) {
     nb::list list;
     if (!self.group) return list;
     for (const DeviceShare& share : without_gil(self.devices, [&] { return self.group->shares(); })) {

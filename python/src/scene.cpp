@@ -14,6 +14,7 @@
 #include "host/io/default_light.hpp"
 #include "host/primitives/scene_primitives.hpp"
 #include "names.hpp"
+#include "typed.hpp"
 #include "vectors.hpp"
 
 namespace claray::python {
@@ -45,7 +46,7 @@ std::vector<T> copy_of(const Array& array, std::size_t numbers_each) {
 }
 
 /// The scene, warnings, and a line about the light and the view that were chosen, or None.
-nb::tuple load(const std::string& path, const LoadOptions& options) {
+Tuple load(const std::string& path, const LoadOptions& options) {
     Warnings warnings;
     LoadedScene loaded;
     std::string chosen;
@@ -95,7 +96,7 @@ std::size_t add_primitives(Scene& scene, const std::string& kind, const std::str
 }
 
 /// Arrays over the mesh's own memory.
-nb::dict mesh_at(nb::handle self, std::size_t index) {
+Dict mesh_at(nb::handle self, std::size_t index) {
     const Scene& scene = nb::cast<const Scene&>(self);
     if (index >= scene.meshes.size()) throw nb::index_error("the scene has no such mesh");
     const Mesh& mesh = scene.meshes[index];
@@ -113,7 +114,7 @@ nb::dict mesh_at(nb::handle self, std::size_t index) {
     return dict;
 }
 
-nb::dict primitives_at(nb::handle self, std::size_t index) {
+Dict primitives_at(nb::handle self, std::size_t index) {
     const Scene& scene = nb::cast<const Scene&>(self);
     if (index >= scene.primitives.size()) throw nb::index_error("the scene has no such primitives");
     const PrimitiveSet& set = scene.primitives[index];
@@ -139,7 +140,7 @@ glm::mat4 matrix_of(const float* rows) {
 }
 
 /// The mesh of every instance, its transforms at time 0 and 1 (three rows of four numbers each), and its name.
-nb::tuple placements_of(const Scene& scene) {
+Tuple placements_of(const Scene& scene) {
     std::vector<MeshInstance> instances = scene.instances;
     if (instances.empty())
         for (std::size_t i = 0; i < scene.meshes.size(); ++i) instances.push_back({.mesh = std::uint32_t(i)});
@@ -222,6 +223,7 @@ void bind_parts(nb::class_<Scene>& scene) {
     bind_elements(scene, "material", &Scene::materials);
     bind_elements(scene, "light", &Scene::lights);
     bind_elements(scene, "texture", &Scene::textures);
+    scene.def("add_texture", [](Scene& s, const Texture& texture) { s.textures.push_back(texture); });
     scene.def("add_mesh", &add_mesh)
         .def("move_vertices", &move_vertices)
         .def("mesh_count", [](const Scene& s) { return s.meshes.size(); })

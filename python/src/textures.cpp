@@ -13,6 +13,7 @@
 #include "claray/image/image_error.hpp"
 #include "claray/io.hpp"
 #include "render_config.hpp"
+#include "typed.hpp"
 
 namespace claray::python {
 namespace {
@@ -66,13 +67,13 @@ claray::Image image_from(const Array& pixels) {
     return image;
 }
 
-void save_image(const std::filesystem::path& path, const Pixels& pixels, float exposure, const std::string& tone_map) {
+void save_image(const std::string& path, const Pixels& pixels, float exposure, const std::string& tone_map) {
     const ToneMap map = kind_of("tone_map", tone_map, tone_maps);
     const nb::gil_scoped_release release;
     write_image(path, image_from(pixels), exposure, map);
 }
 
-void save_exr(const std::filesystem::path& path, unsigned width, unsigned height, const std::vector<FloatLayer>& floats,
+void save_exr(const std::string& path, unsigned width, unsigned height, const std::vector<FloatLayer>& floats,
               const std::vector<WordLayer>& words) {
     std::vector<ImageLayer> layers;
     for (const auto& [name, channels, pixels] : floats)
@@ -98,13 +99,13 @@ nb::object array_from(claray::Image&& image) {
     return array_of<float>(std::move(image.pixels), {image.height, image.width, 3});
 }
 
-nb::tuple error_between(const Pixels& image, const Pixels& reference) {
+Tuple error_between(const Pixels& image, const Pixels& reference) {
     const ImageError error =
         image_error(span_of<glm::vec3>(image, 3), span_of<glm::vec3>(reference, 3), unsigned(image.shape(1)));
     return nb::make_tuple(error.rmse, error.relmse, error.perceptual);
 }
 
-std::pair<Environment, std::vector<std::string>> environment_in(const std::filesystem::path& path) {
+std::pair<Environment, std::vector<std::string>> environment_in(const std::string& path) {
     const nb::gil_scoped_release release;
     Warnings warnings;
     Environment environment = load_environment(path, warnings);
@@ -117,12 +118,12 @@ void bind_files(nb::module_& module) {
     module.def("to_bytes", &to_bytes);
     module.def("image_error", &error_between);
     module.def("load_environment", &environment_in);
-    module.def("load_image", [](const std::filesystem::path& path, const std::string& color) {
+    module.def("load_image", [](const std::string& path, const std::string& color) {
         const TexelFormat format = kind_of("color", color, std::span(texel_formats, 2));
         const nb::gil_scoped_release release;
         return load_image(path, format);
     });
-    module.def("save_texture", [](const std::filesystem::path& path, const Texture& texture) {
+    module.def("save_texture", [](const std::string& path, const Texture& texture) {
         const nb::gil_scoped_release release;
         write_texture(path, texture);
     });

@@ -15,7 +15,7 @@ inline constexpr Named<Filter> texture_filters[] = {{Filter::nearest, "nearest"}
                                                     {Filter::trilinear, "trilinear"},
                                                     {Filter::nearest_level, "nearest-level"}};
 
-/// Sixteen-bit and false-colour images are linear: pixels (H, W, 3) as an image.
+/// Linear colours: (height, width, 3).
 using Pixels = Input<float, nb::shape<-1, -1, 3>>;
 
 }  // namespace claray::python

@@ -174,8 +174,10 @@ def test_cameras_have_all_projections_and_move():
 
 def test_files_are_loaded_by_options(tmp_path):
     (tmp_path / "line.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\nf 1 2 3\n")
-    assert claray.load(tmp_path / "line.obj", stroke_radius=0.0).primitive_count == 0
-    assert claray.load(tmp_path / "line.obj", stroke_radius=0.1, images=False).primitive_count > 0
+    with pytest.warns(UserWarning, match="left out"):
+        assert claray.load(tmp_path / "line.obj", stroke_radius=0.0).primitive_count == 0
+    with pytest.warns(UserWarning, match="radius 0.1"):
+        assert claray.load(tmp_path / "line.obj", stroke_radius=0.1, images=False).primitive_count > 0
     assert claray.animation_seconds("cornell") is None
     refused("stroke_radius", lambda: claray.load(tmp_path / "line.obj", stroke_radius="thin"))
     refused("load", lambda: claray.load(tmp_path / "line.obj", stroke=1), "stroke")
