@@ -10,6 +10,7 @@
 #include "claray/image/image_error.hpp"
 #include "claray/renderer.hpp"
 
+#pragma GCC visibility push(default)
 namespace claray {
 
 /// The mean of many renders, each with its own seed.
@@ -222,3 +223,4 @@ void mark_front(std::vector<StudyPoint>& points);
 [[nodiscard]] double log_log_slope(std::span<const double> x, std::span<const double> y);
 
 }  // namespace claray
+#pragma GCC visibility pop

@@ -8,6 +8,7 @@
 
 #include "claray/device.hpp"
 
+#pragma GCC visibility push(default)
 namespace claray {
 
 namespace detail {
@@ -148,3 +149,4 @@ private:
 };
 
 }  // namespace claray
+#pragma GCC visibility pop

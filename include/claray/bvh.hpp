@@ -11,6 +11,7 @@
 #include "claray/shared/bvh_node.h"
 #include "claray/shared/types.h"
 
+#pragma GCC visibility push(default)
 namespace claray {
 
 /// Memory layout of the tree that is traversed.
@@ -202,3 +203,4 @@ private:
 [[nodiscard]] bool is_closed(const Bvh& bvh);
 
 }  // namespace claray
+#pragma GCC visibility pop

@@ -12,6 +12,7 @@
 #include "claray/opencl.hpp"
 #include "claray/profiler.hpp"
 
+#pragma GCC visibility push(default)
 namespace claray {
 
 enum class DeviceType { cpu, gpu, other };
@@ -108,3 +109,4 @@ private:
 [[nodiscard]] std::vector<std::string> tuning_warnings(const Device& device);
 
 }  // namespace claray
+#pragma GCC visibility pop

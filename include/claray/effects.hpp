@@ -11,6 +11,7 @@
 #include "claray/scene.hpp"
 #include "claray/shared/lists/effects.h"
 
+#pragma GCC visibility push(default)
 namespace claray {
 
 /// Each effect is a part of the kernel code that a scene may not need. claray/shared/lists/effects.h lists them. Every
@@ -96,3 +97,4 @@ struct EffectOverrides {
 [[nodiscard]] Scene without_effects(Scene scene, EffectSet effects);
 
 }  // namespace claray
+#pragma GCC visibility pop

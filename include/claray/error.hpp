@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string>
 
+#pragma GCC visibility push(default)
 namespace claray {
 
 /// The cause of an error. The values are the exit codes of the program `claray`.
@@ -32,3 +33,4 @@ private:
 };
 
 }  // namespace claray
+#pragma GCC visibility pop

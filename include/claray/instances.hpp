@@ -8,6 +8,7 @@
 #include "claray/query.hpp"
 #include "claray/shared/instance.h"
 
+#pragma GCC visibility push(default)
 namespace claray {
 
 /// Returns an instance of bottom level `bottom`, from the affine part of a matrix that maps object space to world
@@ -132,3 +133,4 @@ void any_hit(const InstancedBvh& bvh, const Buffer<Ray>& rays, Buffer<std::uint8
                                                 const QueryOptions& options = {});
 
 }  // namespace claray
+#pragma GCC visibility pop

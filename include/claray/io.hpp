@@ -13,6 +13,7 @@
 #include "claray/profiler.hpp"
 #include "claray/scene.hpp"
 
+#pragma GCC visibility push(default)
 namespace claray {
 
 /// Problems that loaders found and corrected, as lines for the user. Each is fit for a terminal, as `Error::what()` is.
@@ -190,3 +191,4 @@ void write_trace(const std::filesystem::path& path, const std::vector<ProfileRec
 void write_file(const std::filesystem::path& path, const std::string& bytes);
 
 }  // namespace claray
+#pragma GCC visibility pop

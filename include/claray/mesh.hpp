@@ -8,6 +8,7 @@
 
 #include "claray/error.hpp"
 
+#pragma GCC visibility push(default)
 namespace claray {
 
 /// An indexed triangle mesh: one geometry of a scene. `normals`, `uvs`, `uvs1`, `tangents` and `colors` are per vertex
@@ -41,3 +42,4 @@ struct Bounds {
 [[nodiscard]] Bounds bounds_of(const Mesh& mesh);
 
 }  // namespace claray
+#pragma GCC visibility pop

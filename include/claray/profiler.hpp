@@ -9,6 +9,7 @@
 
 #include "claray/opencl.hpp"
 
+#pragma GCC visibility push(default)
 namespace claray {
 
 /// Times of one command, in nanoseconds of the device's clock.
@@ -75,3 +76,4 @@ private:
 };
 
 }  // namespace claray
+#pragma GCC visibility pop

@@ -7,6 +7,7 @@
 
 #include "claray/buffer.hpp"
 
+#pragma GCC visibility push(default)
 namespace claray {
 
 /// Macros for compiling a kernel: name and value.
@@ -163,3 +164,4 @@ struct CompileStatistics {
 [[nodiscard]] CompileStatistics compile_statistics();
 
 }  // namespace claray
+#pragma GCC visibility pop

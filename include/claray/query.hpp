@@ -7,6 +7,7 @@
 #include "claray/bvh.hpp"
 #include "claray/query/filter.hpp"
 
+#pragma GCC visibility push(default)
 namespace claray {
 
 /// Whether neighbouring rays in an array have similar directions, as camera rays do. Affects speed only.
@@ -90,3 +91,4 @@ private:
 };
 
 }  // namespace claray
+#pragma GCC visibility pop

@@ -11,6 +11,7 @@
 #include "claray/shared/gbuffer.h"
 #include "claray/shared/lists/aovs.h"
 
+#pragma GCC visibility push(default)
 namespace claray {
 
 /// The source of random numbers.
@@ -421,3 +422,4 @@ void use_light_map(Scene& scene, std::size_t mesh, Texture light_map, std::uint3
 [[nodiscard]] std::uint32_t light_map_uv_set(const Scene& scene, std::size_t mesh);
 
 }  // namespace claray
+#pragma GCC visibility pop

@@ -12,6 +12,7 @@
 #include "claray/shared/scene.h"
 #include "claray/texture.hpp"
 
+#pragma GCC visibility push(default)
 namespace claray {
 
 /// MaterialKind::lambert, mirror, glass, metal, blinn_phong, principled and unlit: the rows of CLARAY_MATERIAL_KINDS;
@@ -322,3 +323,4 @@ void validate(const Scene& scene);
 [[nodiscard]] std::span<const char* const> builtin_scene_names();
 
 }  // namespace claray
+#pragma GCC visibility pop

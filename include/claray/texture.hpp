@@ -8,6 +8,7 @@
 
 #include "claray/error.hpp"
 
+#pragma GCC visibility push(default)
 namespace claray {
 
 /// How a coordinate outside 0..1 is mapped into it.
@@ -53,3 +54,4 @@ struct TextureUse {
 };
 
 }  // namespace claray
+#pragma GCC visibility pop

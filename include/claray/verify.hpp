@@ -10,6 +10,7 @@
 
 #include "claray/device.hpp"
 
+#pragma GCC visibility push(default)
 namespace claray {
 
 enum class Effort {
@@ -91,3 +92,4 @@ void run_verify_cases(const Device& device, std::span<const std::string> names, 
                       const std::function<void(const VerifyResult&)>& report);
 
 }  // namespace claray
+#pragma GCC visibility pop

@@ -1,10 +1,10 @@
 """Installs wheels in bare systems, where nothing of claray's is, and finds a hit there.
 
-    python3 python/wheel/check.py [--can] [--release NAME]... [WHEEL...]
+    python3 python/wheel/check.py [--can] [--systems FOLDER] [--release NAME]... [WHEEL...]
 
 WHEEL: files of make.py [out/wheels]. NAME: a release of Debian whose Python one of them is for [bookworm, with Python 3.11; if there is
-only a wheel for 3.12 and later, trixie]. Needs root, the package mmdebstrap, and PyPI. Each system is a folder in build/wheel, which is
-kept. The exit code is 77 if this system cannot make another.
+only a wheel for 3.12 and later, trixie]. Needs root, the package mmdebstrap, and PyPI. Each system is a folder in FOLDER
+[build/bare_systems/of_wheels], which is kept. The exit code is 77 if this system cannot make another.
 """
 
 import argparse
@@ -25,8 +25,8 @@ MOST_SECONDS, MOST_IMPORT_SECONDS = 60, 0.05
 
 
 class System(BareSystem):
-    def __init__(self, release, wheels):
-        super().__init__(ROOT / "build/wheel", release)
+    def __init__(self, folder, release, wheels):
+        super().__init__(folder, release)
         self.put("wheels", (*wheels, pathlib.Path(__file__).with_name("first_hit.py")))
         shutil.rmtree(self.folder / "env", ignore_errors=True)
         self.run("python3 -m venv /env")
@@ -38,11 +38,11 @@ class System(BareSystem):
         return json.loads(self.run("/env/bin/python /wheels/first_hit.py 2>/dev/null").splitlines()[-1])
 
 
-def check(release, wheels):
+def check(systems, release, wheels):
     """Returns what is wrong."""
     wrong = []
     begin = time.perf_counter()
-    system = System(release, wheels)
+    system = System(systems, release, wheels)
     system.install("claray")
     alone = min((system.first_hit() for _ in range(3)), key=lambda found: found["import_seconds"])  # others use the machine, too
     if not all(word in alone.get("error", "") for word in ("apt-get install", "pip install intel-opencl-rt intel-cmplr-lib-rt")):
@@ -73,6 +73,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("wheels", nargs="*", type=pathlib.Path)
     parser.add_argument("--release", action="append")
+    parser.add_argument("--systems", type=pathlib.Path, default=ROOT / "build/bare_systems/of_wheels")
     parser.add_argument("--can", action="store_true", help="tell only by the exit code whether this system can make another")
     options = parser.parse_args()
     require_tools()
@@ -82,7 +83,7 @@ def main():
     if not wheels:
         parser.error("there is no wheel in out/wheels: python3 python/wheel/make.py makes one")
     usual = ["bookworm" if any("cp311" in path.name for path in wheels) else "trixie"]
-    sys.exit(any([check(release, wheels) for release in options.release or usual]))
+    sys.exit(any([check(options.systems, release, wheels) for release in options.release or usual]))
 
 
 if __name__ == "__main__":

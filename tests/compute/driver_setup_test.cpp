@@ -128,6 +128,8 @@ TEST(KnownFaults, WarnOfDriversWithWrongResultsOnly) {
         EXPECT_NE(fault.find(part), std::string::npos) << fault;
     info.name = "AMD Radeon";  // another compiler
     EXPECT_EQ(known_fault(info), "");
+    info.platform = "Portable Computing Language", info.driver = "3.0-rc2";
+    EXPECT_NE(known_fault(info).find("pocl-binary-distribution"), std::string::npos);
 }
 
 }  // namespace

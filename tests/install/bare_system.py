@@ -34,6 +34,7 @@ class BareSystem:
 
     def _make(self, release):
         print(f"making {self.folder}", file=sys.stderr)
+        self.folder.parent.mkdir(parents=True, exist_ok=True)
         unfinished = self.folder.with_suffix(".unfinished")
         shutil.rmtree(unfinished, ignore_errors=True)
         made = subprocess.run(["mmdebstrap", "--quiet", "--variant=minbase", "--include=python3,python3-venv,ca-certificates", release,

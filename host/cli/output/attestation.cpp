@@ -22,7 +22,7 @@ constexpr const char* format = "claray attestation";
 constexpr const char* known_fault = "known fault of this driver";  // a fact of probes
 constexpr int version = 1;                                         // of the format; a reader refuses later ones
 
-constexpr const char* extensions_that_matter[] = {
+constexpr const char* attested_extensions[] = {
     "cl_khr_fp64",      "cl_khr_fp16",       "cl_khr_int64_base_atomics", "cl_khr_int64_extended_atomics",
     "cl_khr_subgroups", "cl_khr_il_program", "cl_khr_3d_image_writes",    "cl_khr_integer_dot_product"};
 
@@ -210,7 +210,7 @@ std::string attestation_text(const Verified& verified, const VerifyOptions& opti
                              const std::vector<FirstPicture>& pictures) {
     const DeviceInfo& device = verified.device;
     Json extensions = Json::array(), firsts = Json::array();
-    for (const char* extension : extensions_that_matter)
+    for (const char* extension : attested_extensions)
         if (device.has(extension)) extensions.push_back(extension);
     for (const FirstPicture& picture : pictures) firsts.push_back(as_json(picture));
     const Json head = {{"format", format},

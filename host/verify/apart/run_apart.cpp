@@ -50,10 +50,10 @@ namespace {
 
 using Clock = Child::Clock;
 
-enum class Kind : int { opened, begun, ended, done, failed };
+enum class MessageKind : int { opened, begun, ended, done, failed };
 
 template <class... T>
-std::string message_of(Kind kind, const T&... values) {
+std::string message_of(MessageKind kind, const T&... values) {
     ByteWriter writer;
     writer.add(kind, values...);
     return writer.take();
@@ -106,18 +106,20 @@ private:
     void work_in_child(unsigned number, bool one_by_one, const Child::Send& send) {
         const auto begun = [&](std::size_t i) {
             const bool mine = claims_.take(i, number);
-            if (mine) send(message_of(Kind::begun, i));
+            if (mine) send(message_of(MessageKind::begun, i));
             return mine;
         };
-        const auto ended = [&](std::size_t i, const VerifyResult& result) { send(message_of(Kind::ended, i, result)); };
+        const auto ended = [&](std::size_t i, const VerifyResult& result) {
+            send(message_of(MessageKind::ended, i, result));
+        };
         try {
-            send(message_of(Kind::opened, job_.open()));
+            send(message_of(MessageKind::opened, job_.open()));
             job_.run(left_, one_by_one, {begun, ended});
-            send(message_of(Kind::done));
+            send(message_of(MessageKind::done));
         } catch (const Error& error) {
-            send(message_of(Kind::failed, error.kind(), std::string(error.what())));
+            send(message_of(MessageKind::failed, error.kind(), std::string(error.what())));
         } catch (const std::exception& error) {
-            send(message_of(Kind::failed, ErrorKind::device, std::string(error.what())));
+            send(message_of(MessageKind::failed, ErrorKind::device, std::string(error.what())));
         }
     }
 
@@ -159,25 +161,25 @@ private:
     void take(Worker& worker, const std::string& message) {
         worker.since = Clock::now();
         ByteReader reader(message);
-        Kind kind = Kind::opened;
+        MessageKind kind = MessageKind::opened;
         reader.get(kind);
-        if (kind == Kind::opened) {
+        if (kind == MessageKind::opened) {
             DeviceInfo info;
             reader.get(info);
             worker.opened = true;
             if (!std::exchange(told_device_, true)) begin_with(info);
-        } else if (kind == Kind::failed) {
+        } else if (kind == MessageKind::failed) {
             ErrorKind error = ErrorKind::device;
             std::string text;
             reader.get(error, text);
             const std::size_t end = std::min(text.find('\n'), text.size());
             throw Error(error, text.substr(0, end), {}, text.substr(std::min(end + 1, text.size())));
-        } else if (kind == Kind::done) {
+        } else if (kind == MessageKind::done) {
             worker.done = true;
         } else {
             std::size_t i = 0;
             reader.get(i);
-            if (kind == Kind::begun) {
+            if (kind == MessageKind::begun) {
                 worker.under_way[i] = Clock::now();
                 return;
             }

@@ -6,6 +6,7 @@
 
 #include "claray/error.hpp"
 
+#pragma GCC visibility push(default)
 namespace claray {
 
 /// The difference between two images of linear radiance. All members are without unit.
@@ -21,3 +22,4 @@ struct ImageError {
                                      unsigned width);
 
 }  // namespace claray
+#pragma GCC visibility pop

@@ -5,6 +5,7 @@
 
 #include "claray/error.hpp"
 
+#pragma GCC visibility push(default)
 namespace claray {
 
 enum class ToneMap {
@@ -28,3 +29,4 @@ struct PictureConfig {
 [[nodiscard]] float linear_from_srgb(std::uint8_t value);
 
 }  // namespace claray
+#pragma GCC visibility pop

@@ -7,6 +7,7 @@
 
 #include "claray/renderer.hpp"
 
+#pragma GCC visibility push(default)
 namespace claray {
 
 class RenderGroup;
@@ -122,3 +123,4 @@ struct FramesConfig {
 [[nodiscard]] std::string account_of(const TargetPlan& plan, const RenderProgress& reached);
 
 }  // namespace claray
+#pragma GCC visibility pop

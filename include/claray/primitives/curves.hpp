@@ -3,6 +3,7 @@
 
 #include "claray/primitives/primitives.hpp"
 
+#pragma GCC visibility push(default)
 namespace claray {
 
 enum class CurveBasis {
@@ -35,3 +36,4 @@ enum class CurveShape {
                                       CurveShape shape = CurveShape::round);
 
 }  // namespace claray
+#pragma GCC visibility pop

@@ -9,6 +9,7 @@
 #include "claray/mesh.hpp"
 #include "claray/shared/scene.h"
 
+#pragma GCC visibility push(default)
 namespace claray {
 
 /// Primitives of one kind, in world space. They are traced as they are, not as triangles. Round curves are seen from
@@ -65,3 +66,4 @@ inline constexpr PrimitiveKindName primitive_kind_names[] = {
 [[nodiscard]] Bounds bounds_of(const PrimitiveSet& set);
 
 }  // namespace claray
+#pragma GCC visibility pop

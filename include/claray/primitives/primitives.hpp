@@ -7,6 +7,7 @@
 
 #include "claray/query.hpp"
 
+#pragma GCC visibility push(default)
 namespace claray {
 
 /// A kind of primitive: OpenCL C that defines the functions `bounds_of` and `intersect` of
@@ -74,3 +75,4 @@ void any_hit(const Primitives& primitives, const Buffer<Ray>& rays, Buffer<std::
                                                 const QueryOptions& options = {});
 
 }  // namespace claray
+#pragma GCC visibility pop

@@ -7,6 +7,7 @@
 
 #include "claray/error.hpp"
 
+#pragma GCC visibility push(default)
 namespace claray {
 
 /// Kernels that this process and its compilers have compiled since it began, and the sum of these and those that are
@@ -29,3 +30,4 @@ void on_compiling(TellCompiling tell);
 [[nodiscard]] TellCompiling compiling_lines(std::FILE* to = stderr);
 
 }  // namespace claray
+#pragma GCC visibility pop

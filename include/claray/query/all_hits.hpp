@@ -4,6 +4,7 @@
 #include "claray/query.hpp"
 #include "claray/query/lists.hpp"
 
+#pragma GCC visibility push(default)
 namespace claray {
 
 /// Counts the triangles that each ray hits at tmin < t <= tmax: as exact as closest_hit, a ray through an edge counts
@@ -30,3 +31,4 @@ void nearest_hits(const Bvh& bvh, const Buffer<Ray>& rays, std::uint32_t most, B
 [[nodiscard]] HostLists<Hit> all_hits(const Bvh& bvh, std::span<const Ray> rays, const QueryOptions& options = {});
 
 }  // namespace claray
+#pragma GCC visibility pop

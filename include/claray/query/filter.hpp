@@ -5,6 +5,7 @@
 
 #include "claray/buffer.hpp"
 
+#pragma GCC visibility push(default)
 namespace claray {
 
 /// OpenCL C that defines
@@ -23,3 +24,4 @@ struct HitFilter {
 [[nodiscard]] HitFilter geometry_range(const Device& device, std::uint32_t first, std::uint32_t end);
 
 }  // namespace claray
+#pragma GCC visibility pop

@@ -5,6 +5,7 @@
 
 #include "claray/buffer.hpp"
 
+#pragma GCC visibility push(default)
 namespace claray {
 
 /// Lists in device memory, one per query: list i is elements[offsets[i]] .. elements[offsets[i + 1] - 1].
@@ -22,3 +23,4 @@ struct HostLists {
 };
 
 }  // namespace claray
+#pragma GCC visibility pop

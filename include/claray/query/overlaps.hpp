@@ -6,6 +6,7 @@
 #include "claray/bvh.hpp"
 #include "claray/query/lists.hpp"
 
+#pragma GCC visibility push(default)
 namespace claray {
 
 /// A solid sphere.
@@ -33,3 +34,4 @@ void count_sphere_overlaps(const Bvh& bvh, const Buffer<float>& spheres, Buffer<
 [[nodiscard]] HostLists<std::uint32_t> sphere_overlaps(const Bvh& bvh, std::span<const Sphere> spheres);
 
 }  // namespace claray
+#pragma GCC visibility pop

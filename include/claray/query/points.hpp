@@ -7,6 +7,7 @@
 
 #include "claray/bvh.hpp"
 
+#pragma GCC visibility push(default)
 namespace claray {
 
 struct PointOptions {
@@ -54,3 +55,4 @@ void signed_distance(const Bvh& bvh, const Buffer<float>& points, Buffer<float>&
                                                  const PointOptions& options = {});
 
 }  // namespace claray
+#pragma GCC visibility pop

@@ -8,6 +8,7 @@
 
 #include "claray/renderer.hpp"
 
+#pragma GCC visibility push(default)
 namespace claray {
 
 /// What a device contributed to an image.
@@ -50,3 +51,4 @@ private:
 };
 
 }  // namespace claray
+#pragma GCC visibility pop
