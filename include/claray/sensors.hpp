@@ -10,6 +10,7 @@
 #include "claray/scene.hpp"
 #include "claray/shared/sensors/beams.h"
 
+#pragma GCC visibility push(default)
 namespace claray {
 
 /// The beams of a sensor, row by row. Rows are the rings of a lidar, or those of an image.
@@ -143,3 +144,4 @@ private:
 };
 
 }  // namespace claray
+#pragma GCC visibility pop
