@@ -423,6 +423,12 @@ CLARAY_API claray_status claray_count_hits_with(const claray_bvh* bvh, const cla
 CLARAY_API claray_status claray_nearest_hits_with(const claray_bvh* bvh, const claray_ray* rays, size_t count,
                                                   uint32_t most, const claray_query_options* options, claray_hit* hits,
                                                   uint32_t* counts);
+/* The same for rays, hits and counts in buffers (cl_mem) of the device's context, on its queue. The visits of the
+ * options must be NULL. Asynchronous, except for structures with split triangles. */
+CLARAY_API claray_status claray_count_hits_enqueue(const claray_bvh* bvh, void* rays, void* counts, size_t count,
+                                                   const claray_query_options* options);
+CLARAY_API claray_status claray_nearest_hits_enqueue(const claray_bvh* bvh, void* rays, void* hits, void* counts,
+                                                     size_t count, uint32_t most, const claray_query_options* options);
 
 /* A list for each query: list i has the elements offsets[i] .. offsets[i + 1] - 1. */
 typedef struct claray_lists claray_lists;
@@ -486,6 +492,16 @@ CLARAY_API claray_status claray_inside_with(const claray_bvh* bvh, const float* 
                                             const claray_point_options* options, uint8_t* inside);
 CLARAY_API claray_status claray_signed_distance_with(const claray_bvh* bvh, const float* points, size_t count,
                                                      const claray_point_options* options, float* distances);
+
+typedef enum claray_point_query {
+    CLARAY_POINT_NEAREST = 0,        /* answers: claray_nearest */
+    CLARAY_POINT_INSIDE = 1,         /* answers: bytes */
+    CLARAY_POINT_SIGNED_DISTANCE = 2 /* answers: floats */
+} claray_point_query;
+/* The same for points and answers in buffers (cl_mem) of the device's context, on its queue. The visits of the options
+ * must be NULL. Asynchronous, except with `vote` and for structures with split triangles. */
+CLARAY_API claray_status claray_points_enqueue(const claray_bvh* bvh, claray_point_query query, void* points,
+                                               void* answers, size_t count, const claray_point_options* options);
 
 /* ---- instances ---- */
 
@@ -620,6 +636,9 @@ CLARAY_API claray_status claray_primitives_closest_hit(const claray_primitives* 
                                                        size_t count, claray_hit* hits);
 CLARAY_API claray_status claray_primitives_any_hit(const claray_primitives* primitives, const claray_ray* rays,
                                                    size_t count, uint8_t* occluded);
+/* The same for rays and results in buffers (cl_mem) of the device's context, on its queue. Asynchronous. */
+CLARAY_API claray_status claray_primitives_enqueue(const claray_primitives* primitives, claray_query_kind kind,
+                                                   void* rays, void* results, size_t count);
 CLARAY_API void claray_primitives_release(claray_primitives* primitives);
 
 /* ---- scenes ---- */

@@ -15,7 +15,7 @@ page = root / "docs/c.md"
 begin = "<!-- What follows is written by docs/api/c_page.py. -->\n"
 handles = {"Device": "device", "Bvh": "bvh", "InstancedBvh": "instances", "Query": "query", "Primitives": "primitives",
            "Renderer": "renderer", "RenderGroup": "group", "Sensor": "sensor", "SensorWorld": "sensor_world"}
-endings = ("", "_create", "_get", "_build", "_with")
+endings = ("", "_create", "_get", "_build", "_with", "_enqueue")
 # Classes whose members are no data for users.
 opaque = {"Bvh", "Buffer", "Device", "EffectSet", "Error", "InstancedBvh", "Kernel", "Primitives", "Profiler", "Query", "Renderer",
           "RenderGroup", "Sensor", "SensorWorld", "Warnings", "Aovs"}

@@ -89,6 +89,13 @@ int number_of(const Enum& value) {
     return number;
 }
 
+/// Throws ErrorKind::usage for numbers that no version has.
+inline QueryKind kind_of(const claray_query_kind& kind) {
+    const int number = number_of(kind);
+    if (number != CLARAY_QUERY_CLOSEST && number != CLARAY_QUERY_ANY)
+        refuse("kind is " + std::to_string(number), "use a claray_query_kind");
+    return number == CLARAY_QUERY_ANY ? QueryKind::any : QueryKind::closest;
+}
 /// The options with their arrays on the device. `visits`: receives the memory of the host that gets them, or null.
 [[nodiscard]] QueryOptions options_of(const Device& device, const claray_query_options* given, claray_visits** visits);
 /// A query with the options, on the queue of `queue` or, if that is null, of the structure.
@@ -148,6 +155,13 @@ std::span<T> room(T* data, std::size_t count, std::size_t needed, const char* na
     return {data, count};
 }
 
+/// A buffer of the caller, retained.
+template <class T>
+Buffer<T> shared(const Device& device, void* memory, std::size_t count, const char* name) {
+    if (memory == nullptr) refuse(std::string(name) + " is NULL");
+    return Buffer<T>::adopt(device, static_cast<cl_mem>(memory), count);
+}
+
 template <class T>
 std::vector<T> copied(const void* data, std::size_t count, const char* name) {
     const std::span<const T> given = array(static_cast<const T*>(data), count, name);
@@ -201,18 +215,15 @@ void answer(const Device& device, std::span<const T> asked, Answer* answers, std
 template <class Structure>
 claray_query* query_of(const Structure& over, const claray_query_kind& kind, const claray_query_options* options,
                        claray_device* queue, bool of_instances) {
-    const int number = number_of(kind);
-    if (number != CLARAY_QUERY_CLOSEST && number != CLARAY_QUERY_ANY)
-        refuse("kind is " + std::to_string(number), "use a claray_query_kind");
+    const QueryKind known_kind = kind_of(kind);
     const Device& on = queue ? queue->device : over.device();
     claray_visits* visits = nullptr;
     QueryOptions all = options_of(over.device(), options, &visits);
     const claray_query_options known = versioned(options, "options");
     Buffer<std::uint32_t> rays;
     if (known.count_buffer) rays = Buffer<std::uint32_t>::adopt(on, static_cast<cl_mem>(known.count_buffer), 1);
-    Query made(over, number == CLARAY_QUERY_ANY ? QueryKind::any : QueryKind::closest, all, on);
-    return new claray_query{
-        claray_query_kind(number), std::move(made), of_instances, std::move(all), visits, std::move(rays)};
+    Query made(over, known_kind, all, on);
+    return new claray_query{kind, std::move(made), of_instances, std::move(all), visits, std::move(rays)};
 }
 
 }  // namespace claray::capi

@@ -45,6 +45,11 @@ claray_status count_overlaps(const claray_bvh* bvh, const float* shapes, std::si
     });
 }
 
+QueryOptions options_without_visits(const Bvh& over, const claray_query_options* options) {
+    if (versioned(options, "options").visits) refuse("options.visits is not NULL", "these queries count no visits");
+    return options_of(over.device(), options, nullptr);
+}
+
 }  // namespace
 
 claray_status claray_count_hits(const claray_bvh* bvh, const claray_ray* rays, size_t count, uint32_t* counts) {
@@ -82,6 +87,27 @@ claray_status claray_nearest_hits_with(const claray_bvh* bvh, const claray_ray* 
         nearest_hits(over, Buffer<Ray>::over(over.device(), all), most, hit_buffer, count_buffer, known);
         hit_buffer.fetch(found);
         count_buffer.fetch(numbers);
+    });
+}
+
+claray_status claray_count_hits_enqueue(const claray_bvh* bvh, void* rays, void* counts, size_t count,
+                                        const claray_query_options* options) {
+    return guarded([&] {
+        const Bvh& over = required(bvh, "bvh").bvh;
+        auto found = shared<std::uint32_t>(over.device(), counts, count, "counts");
+        count_hits(over, shared<Ray>(over.device(), rays, count, "rays"), found, options_without_visits(over, options));
+    });
+}
+
+claray_status claray_nearest_hits_enqueue(const claray_bvh* bvh, void* rays, void* hits, void* counts, size_t count,
+                                          uint32_t most, const claray_query_options* options) {
+    return guarded([&] {
+        const Bvh& over = required(bvh, "bvh").bvh;
+        if (most == 0) refuse("most is 0", "ask for at least one hit");
+        auto found = shared<Hit>(over.device(), hits, count * most, "hits");
+        auto numbers = shared<std::uint32_t>(over.device(), counts, count, "counts");
+        nearest_hits(over, shared<Ray>(over.device(), rays, count, "rays"), most, found, numbers,
+                     options_without_visits(over, options));
     });
 }
 

@@ -111,7 +111,8 @@ void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
     CLARAY_PAIR(albedo)
     CLARAY_PAIR(emission)
     CLARAY_PAIR(roughness)
-    CLARAY_PAIR(ior) CLARAY_PAIR(metallic) CLARAY_PAIR(transmission) CLARAY_PAIR(thin_walled) CLARAY_PAIR(clearcoat)
+    CLARAY_PAIR(ior)
+    CLARAY_PAIR(metallic) CLARAY_PAIR(transmission) CLARAY_PAIR(thin_walled) CLARAY_PAIR(clearcoat)
         CLARAY_PAIR(clearcoat_roughness) CLARAY_PAIR(specular) CLARAY_PAIR(specular_weight) CLARAY_PAIR(specular_tint)
             CLARAY_PAIR(sheen) CLARAY_PAIR(sheen_roughness) CLARAY_PAIR(anisotropy) CLARAY_PAIR(anisotropy_rotation)
                 CLARAY_PAIR(iridescence) CLARAY_PAIR(iridescence_ior) CLARAY_PAIR(film_thickness)
@@ -140,8 +141,8 @@ void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
     CLARAY_PAIR(position)
     CLARAY_PAIR(direction)
     CLARAY_PAIR(intensity)
-    CLARAY_PAIR(inner_angle) CLARAY_PAIR(outer_angle) CLARAY_PAIR(range) CLARAY_PAIR(attenuation)
-        CLARAY_PAIR(linear_range)
+    CLARAY_PAIR(inner_angle)
+    CLARAY_PAIR(outer_angle) CLARAY_PAIR(range) CLARAY_PAIR(attenuation) CLARAY_PAIR(linear_range)
 }
 
 template <class C, IsOf<Sky> Cpp, class Visit>
@@ -187,9 +188,10 @@ void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
     CLARAY_PAIR(spp)
     CLARAY_PAIR(max_depth)
     CLARAY_PAIR(seed)
-    CLARAY_PAIR(seconds) CLARAY_PAIR(noise) CLARAY_PAIR(error) CLARAY_PAIR(sample_clamp) CLARAY_PAIR(adaptive)
-        CLARAY_PAIR(sampler) CLARAY_PAIR(report_seconds) CLARAY_PAIR(parts) CLARAY_PAIR(compiler)
-            CLARAY_PAIR(checkpoint) CLARAY_PAIR(checkpoint_seconds) CLARAY_PAIR(resume)
+    CLARAY_PAIR(seconds)
+    CLARAY_PAIR(noise) CLARAY_PAIR(error) CLARAY_PAIR(sample_clamp) CLARAY_PAIR(adaptive) CLARAY_PAIR(sampler)
+        CLARAY_PAIR(report_seconds) CLARAY_PAIR(parts) CLARAY_PAIR(compiler) CLARAY_PAIR(checkpoint)
+            CLARAY_PAIR(checkpoint_seconds) CLARAY_PAIR(resume)
 }
 
 template <class C, IsOf<LightMapConfig> Cpp, class Visit>
@@ -205,8 +207,9 @@ void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
     CLARAY_PAIR(noise)
     CLARAY_PAIR(error)
     CLARAY_PAIR(error_bound)
-    CLARAY_PAIR(error_of_fireflies) CLARAY_PAIR(cut_off) CLARAY_PAIR(spp_target) CLARAY_PAIR(error_spp)
-        CLARAY_PAIR(own_kernels) CLARAY_PAIR(waits_for_kernels) CLARAY_PAIR(culled) CLARAY_PAIR(dropped_samples)
+    CLARAY_PAIR(error_of_fireflies)
+    CLARAY_PAIR(cut_off) CLARAY_PAIR(spp_target) CLARAY_PAIR(error_spp) CLARAY_PAIR(own_kernels)
+        CLARAY_PAIR(waits_for_kernels) CLARAY_PAIR(culled) CLARAY_PAIR(dropped_samples)
 }
 
 template <class C, IsOf<RayCount> Cpp, class Visit>
@@ -221,10 +224,11 @@ void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
     CLARAY_PAIR(start)
     CLARAY_PAIR(own_kernels_from)
     CLARAY_PAIR(own_kernels)
-    CLARAY_PAIR(primitives) CLARAY_PAIR(build_milliseconds) CLARAY_PAIR(camera) CLARAY_PAIR(bounce) CLARAY_PAIR(shadow)
-        CLARAY_PAIR(in_paths) CLARAY_PAIR(device_bytes) CLARAY_PAIR(most_device_bytes) CLARAY_PAIR(bytes_paged)
-            CLARAY_PAIR(parts) CLARAY_PAIR(adapted) CLARAY_PAIR(guided) CLARAY_PAIR(longest_milliseconds)
-                CLARAY_PAIR(longest_command) CLARAY_PAIR(dropped_samples) CLARAY_PAIR(measuring_seconds)
+    CLARAY_PAIR(primitives)
+    CLARAY_PAIR(build_milliseconds) CLARAY_PAIR(camera) CLARAY_PAIR(bounce) CLARAY_PAIR(shadow) CLARAY_PAIR(in_paths)
+        CLARAY_PAIR(device_bytes) CLARAY_PAIR(most_device_bytes) CLARAY_PAIR(bytes_paged) CLARAY_PAIR(parts)
+            CLARAY_PAIR(adapted) CLARAY_PAIR(guided) CLARAY_PAIR(longest_milliseconds) CLARAY_PAIR(longest_command)
+                CLARAY_PAIR(dropped_samples) CLARAY_PAIR(measuring_seconds)
 }
 
 template <class C, IsOf<BvhStatistics> Cpp, class Visit>
@@ -255,7 +259,8 @@ template <class C, IsOf<SensorConfig> Cpp, class Visit>
 void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
     CLARAY_PAIR(rays)
     CLARAY_PAIR(returns)
-    CLARAY_PAIR(order) CLARAY_PAIR(divergence) CLARAY_PAIR(nearest) CLARAY_PAIR(farthest) CLARAY_PAIR(range_resolution)
+    CLARAY_PAIR(order)
+    CLARAY_PAIR(divergence) CLARAY_PAIR(nearest) CLARAY_PAIR(farthest) CLARAY_PAIR(range_resolution)
         CLARAY_PAIR(velocity_resolution) CLARAY_PAIR(range_noise) CLARAY_PAIR(velocity_noise)
             CLARAY_PAIR(intensity_noise) CLARAY_PAIR(dropout) CLARAY_PAIR(reference_range) CLARAY_PAIR(extinction)
                 CLARAY_PAIR(least_intensity) CLARAY_PAIR(duration) CLARAY_PAIR(in_world) CLARAY_PAIR(seed)
@@ -268,7 +273,8 @@ void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
     CLARAY_PAIR(name)
     CLARAY_PAIR(vendor)
     CLARAY_PAIR(driver)
-    CLARAY_PAIR(version) CLARAY_PAIR(type) CLARAY_PAIR(compute_units) CLARAY_PAIR(memory) CLARAY_PAIR(max_allocation)
+    CLARAY_PAIR(version)
+    CLARAY_PAIR(type) CLARAY_PAIR(compute_units) CLARAY_PAIR(memory) CLARAY_PAIR(max_allocation)
         CLARAY_PAIR(local_memory) CLARAY_PAIR(max_work_group) CLARAY_PAIR(fp64) CLARAY_PAIR(exact_divide)
 }
 #undef CLARAY_PAIR

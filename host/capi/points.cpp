@@ -49,6 +49,13 @@ claray_status query_points(const claray_bvh* bvh, const float* points, std::size
     });
 }
 
+template <class Answer>
+void enqueue_points(const Bvh& over, void* points, void* answers, std::size_t count, const PointOptions& options,
+                    PointQuery<Answer> query) {
+    auto found = shared<Answer>(over.device(), answers, count, "answers");
+    query(over, shared<float>(over.device(), points, 3 * count, "points"), found, options);
+}
+
 }  // namespace
 
 claray_status claray_nearest_point(const claray_bvh* bvh, const float* points, size_t count, float reach,
@@ -83,4 +90,23 @@ claray_status claray_signed_distance(const claray_bvh* bvh, const float* points,
 claray_status claray_signed_distance_with(const claray_bvh* bvh, const float* points, size_t count,
                                           const claray_point_options* options, float* distances) {
     return query_points<float>(bvh, points, count, distances, "distances", options, &signed_distance);
+}
+
+claray_status claray_points_enqueue(const claray_bvh* bvh, claray_point_query query, void* points, void* answers,
+                                    size_t count, const claray_point_options* options) {
+    return guarded([&] {
+        const Bvh& over = required(bvh, "bvh").bvh;
+        const claray_point_options given = versioned(options, "options");
+        if (given.visits) refuse("options.visits is not NULL", "these queries count no visits");
+        const PointOptions known = options_of(over.device(), given, count);
+        const int kind = number_of(query);
+        if (kind == CLARAY_POINT_NEAREST)
+            enqueue_points<NearestPoint>(over, points, answers, count, known, &nearest_point);
+        else if (kind == CLARAY_POINT_INSIDE)
+            enqueue_points<std::uint8_t>(over, points, answers, count, known, &inside);
+        else if (kind == CLARAY_POINT_SIGNED_DISTANCE)
+            enqueue_points<float>(over, points, answers, count, known, &signed_distance);
+        else
+            refuse("query is " + std::to_string(kind), "use a claray_point_query");
+    });
 }

@@ -120,4 +120,18 @@ claray_status claray_primitives_any_hit(const claray_primitives* primitives, con
     return answer_rays<std::uint8_t>(primitives, rays, count, occluded, "occluded", &any_hit);
 }
 
+claray_status claray_primitives_enqueue(const claray_primitives* primitives, claray_query_kind kind, void* rays,
+                                        void* results, size_t count) {
+    return guarded([&] {
+        const Primitives& over = required(primitives, "primitives").primitives;
+        const auto given = shared<Ray>(over.device(), rays, count, "rays");
+        if (kind_of(kind) == QueryKind::any) {
+            auto found = shared<std::uint8_t>(over.device(), results, count, "results");
+            return any_hit(over, given, found);
+        }
+        auto found = shared<Hit>(over.device(), results, count, "results");
+        closest_hit(over, given, found);
+    });
+}
+
 void claray_primitives_release(claray_primitives* primitives) { delete primitives; }

@@ -33,19 +33,17 @@ TriangleBuffers upload(const Device& device, const claray_mesh& mesh) {
             words(device, {mesh.masks, masks})};
 }
 
-template <class T>
-Buffer<T> shared(const Device& device, void* memory, std::size_t count, const char* name, bool may_be_null) {
-    if (memory == nullptr && may_be_null) return {};
-    if (memory == nullptr) refuse(std::string(name) + " is NULL");
-    return Buffer<T>::adopt(device, static_cast<cl_mem>(memory), count);
+/// Nothing for NULL.
+Buffer<std::uint32_t> shared_words(const Device& device, void* memory, std::size_t count, const char* name) {
+    return memory ? shared<std::uint32_t>(device, memory, count, name) : Buffer<std::uint32_t>();
 }
 
 TriangleBuffers share(const Device& device, const claray_triangle_buffers& given) {
     if (given.triangle_count == 0) refuse("buffers.triangle_count is 0");
-    return {shared<float>(device, given.vertices, 3 * given.vertex_count, "buffers.vertices", false),
-            shared<std::uint32_t>(device, given.triangles, 3 * given.triangle_count, "buffers.triangles", false),
-            shared<std::uint32_t>(device, given.geometries, given.triangle_count, "buffers.geometries", true),
-            shared<std::uint32_t>(device, given.masks, given.mask_count, "buffers.masks", true)};
+    return {shared<float>(device, given.vertices, 3 * given.vertex_count, "buffers.vertices"),
+            shared<std::uint32_t>(device, given.triangles, 3 * given.triangle_count, "buffers.triangles"),
+            shared_words(device, given.geometries, given.triangle_count, "buffers.geometries"),
+            shared_words(device, given.masks, given.mask_count, "buffers.masks")};
 }
 
 }  // namespace

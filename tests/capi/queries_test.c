@@ -302,6 +302,62 @@ static void test_moving_primitives(claray_device* device) {
     claray_bvh_release(tree), claray_primitives_release(balls), claray_primitives_release(hair);
 }
 
+static void read_buffer(claray_device* device, cl_mem memory, void* to, size_t bytes) {
+    EXPECT(clEnqueueReadBuffer((cl_command_queue)claray_device_queue(device), memory, CL_TRUE, 0, bytes, to, 0, NULL,
+                               NULL) == CL_SUCCESS);
+}
+
+/* What is asked and all answers are on the device. */
+static void test_enqueued(claray_device* device) {
+    claray_bvh* bvh = corner_of(device);
+    claray_primitives* balls = NULL;
+    const float points[4] = {0.125f, 0.25f, 0.25f, 0}, sphere[4] = {0.25f, 0.25f, 0, 0.5f};
+    claray_nearest nearest = {{0, 0, 0}, 0, 0, 0, 0, 0};
+    claray_hit hits[2];
+    float distance = 0;
+    uint32_t count = 0;
+    uint8_t byte = 0;
+    cl_context context = (cl_context)claray_device_context(device);
+    cl_mem ray = clCreateBuffer(context, CL_MEM_COPY_HOST_PTR, sizeof downward, (void*)&downward, NULL);
+    cl_mem point = clCreateBuffer(context, CL_MEM_COPY_HOST_PTR, sizeof points, (void*)points, NULL);
+    cl_mem answer = clCreateBuffer(context, CL_MEM_READ_WRITE, 64, NULL, NULL);
+    cl_mem counts = clCreateBuffer(context, CL_MEM_READ_WRITE, 4, NULL, NULL);
+    STRUCT(claray_query_options, options);
+    STRUCT(claray_point_options, point_options);
+    STRUCT(claray_primitive_kind, kind);
+    options.cull_back_faces = 1;
+    EXPECT(claray_count_hits_enqueue(bvh, ray, counts, 1, &options) == CLARAY_OK);
+    read_buffer(device, counts, &count, sizeof count);
+    EXPECT(count == 1);
+    EXPECT(claray_nearest_hits_enqueue(bvh, ray, answer, counts, 1, 2, NULL) == CLARAY_OK);
+    read_buffer(device, counts, &count, sizeof count), read_buffer(device, answer, hits, sizeof hits);
+    EXPECT(count == 2 && hits[0].t == 1.5f && hits[1].t == 2);
+    EXPECT(claray_points_enqueue(bvh, CLARAY_POINT_NEAREST, point, answer, 1, NULL) == CLARAY_OK);
+    read_buffer(device, answer, &nearest, sizeof nearest);
+    EXPECT(nearest.distance == 0.125f && nearest.primitive == 2);
+    EXPECT(claray_points_enqueue(bvh, CLARAY_POINT_INSIDE, point, answer, 1, &point_options) == CLARAY_OK);
+    read_buffer(device, answer, &byte, 1);
+    EXPECT(byte == 1);
+    EXPECT(claray_points_enqueue(bvh, CLARAY_POINT_SIGNED_DISTANCE, point, answer, 1, NULL) == CLARAY_OK);
+    read_buffer(device, answer, &distance, sizeof distance);
+    EXPECT(distance == -0.125f);
+    kind.name = "spheres";
+    EXPECT(claray_primitives_build(device, &kind, sphere, 1, &balls) == CLARAY_OK);
+    EXPECT(claray_primitives_enqueue(balls, CLARAY_QUERY_CLOSEST, ray, answer, 1) == CLARAY_OK);
+    read_buffer(device, answer, hits, sizeof *hits);
+    EXPECT(hits[0].t == 1.5f);
+    EXPECT_ERROR(claray_primitives_enqueue(balls, (claray_query_kind)2, ray, answer, 1), CLARAY_ERROR_USAGE,
+                 "kind is 2");
+    EXPECT_ERROR(claray_points_enqueue(bvh, (claray_point_query)3, point, answer, 1, NULL), CLARAY_ERROR_USAGE,
+                 "query is 3");
+    EXPECT_ERROR(claray_count_hits_enqueue(bvh, NULL, counts, 1, NULL), CLARAY_ERROR_USAGE, "rays is NULL");
+    EXPECT(claray_nearest_hits_enqueue(bvh, ray, answer, counts, 1, 9, NULL) == CLARAY_ERROR_USAGE); /* too small */
+    options.visits = &count, options.ray_count = 1;
+    EXPECT_ERROR(claray_count_hits_enqueue(bvh, ray, counts, 1, &options), CLARAY_ERROR_USAGE, "options.visits");
+    clReleaseMemObject(ray), clReleaseMemObject(point), clReleaseMemObject(answer), clReleaseMemObject(counts);
+    claray_primitives_release(balls), claray_bvh_release(bvh);
+}
+
 void test_more_queries(claray_device* device) {
     test_options(device);
     test_count_buffer(device);
@@ -311,4 +367,5 @@ void test_more_queries(claray_device* device) {
     test_structure(device);
     test_moving_instances(device);
     test_moving_primitives(device);
+    test_enqueued(device);
 }
