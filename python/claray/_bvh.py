@@ -32,8 +32,9 @@ class Bvh(Handle):
     layout: "automatic", "binary" or "wide".
     learns: whether queries may replace the tree by one of "high", once rays have been traced for ten times as long as its
         build takes: see docs/queries.md. None: if builder is "automatic".
-    origin: of local coordinates, (3,), or "auto": the middle of the vertices. Vertices, and rays and points of all queries, are shifted by it
-        in float64 before they are rounded to float32: for maps in metres, for instance. None: no shift. Not for a Scene.
+    origin: of local coordinates, (3,), or "auto": the middle of the vertices. Vertices, and rays and points of all queries, are
+        shifted by it in float64 before they are rounded to float32: for maps in metres, for instance. None: no shift. Not for a
+        Scene.
     nan: "raise" an error for vertices that are not finite in float32, or "omit" their triangles. A Scene's are omitted.
 
     The arrays are copied to the device as float32. A warning tells if that rounds vertices by more than 1e-5 of their extent.

@@ -28,7 +28,8 @@ class Variant(TypedDict):
 class ExplainedEffect(TypedDict):
     """effect: its name. used: whether the scene uses it, and by how many objects (count), such as `first`. measured: False for what nothing
     can replace. other: the scene without it, or with it compiled in though nothing uses it; own_compile_milliseconds: of the same
-    kernels as compiled for the scene. ratio: time of `other` over that of the scene's own kernels. noise: the rounds disagree which is slower."""
+    kernels as compiled for the scene. ratio: time of `other` over that of the scene's own kernels. noise: the rounds disagree which
+    is slower."""
 
     effect: str
     used: bool
@@ -63,8 +64,8 @@ def explain(scene: Scene, *, device: AnyDevice = None, only: str | Sequence[str]
     """Measures what each effect of a scene costs, as the program's `claray explain`: renders with and without it, by turns. May take
     minutes. Scene.effects() tells, at once, which effects a scene uses.
 
-    only: names of effects to measure; None: those that the scene uses. rounds: pairs of renders for each. compile_times: compile all kernels once
-    more for their time. progress: called with what is done next. options: as of Renderer.
+    only: names of effects to measure; None: those that the scene uses. rounds: pairs of renders for each. compile_times: compile
+    all kernels once more for their time. progress: called with what is done next. options: as of Renderer.
     """
     native = native_scene(scene)
     scene.validate()

@@ -18,7 +18,8 @@ from .errors import UsageError
 
 
 def _structures(bvhs: Any) -> list[Bvh]:
-    structures: list[Any] = [bvhs] if isinstance(bvhs, Bvh) else list(bvhs) if isinstance(bvhs, Iterable) else []  # pyright: ignore[reportUnknownArgumentType]
+    several: list[Any] = list(bvhs) if isinstance(bvhs, Iterable) else []  # pyright: ignore[reportUnknownArgumentType]
+    structures = [bvhs] if isinstance(bvhs, Bvh) else several
     if not structures or not all(isinstance(bvh, Bvh) for bvh in structures):
         raise UsageError("bvhs: use a claray.Bvh, or a sequence of at least one")
     if any(bvh.origin is not None for bvh in structures):
@@ -107,8 +108,9 @@ class InstancedBvh(Handle):
                 bottoms: ArrayLike | None = None, masks: ArrayLike | None = None) -> None:
         """Moves the instances, and builds the upper level again. Takes over changes of a single structure, too.
 
-        There may be more instances, or fewer. bottoms, masks: then of the new ones, if they were given before. bvhs: other structures; needed
-        for another number of instances of several structures, which are copied again. Queries made before trace the new instances.
+        There may be more instances, or fewer. bottoms, masks: then of the new ones, if they were given before. bvhs: other
+        structures; needed for another number of instances of several structures, which are copied again. Queries made before trace
+        the new instances.
         """
         given = rows_of("transforms", transforms)
         if len(given) == self._count and bvhs is None and bottoms is None and masks is None:

@@ -213,7 +213,7 @@ def set_option(native: Any, key: str, value: Any, of: str, path: str) -> None:
             raise TypeError  # float("1") is a number, too
         setattr(native, key, value)
     except (TypeError, OverflowError):
-        kind = "a path" if is_path else "a text" if isinstance(current, str) else "True or False" if isinstance(current, bool) else "a number"
+        kind = {"str": "a text", "bool": "True or False"}.get(type(current).__name__, "a path" if is_path else "a number")
         raise UsageError(f"{path}: {value!r} is not {kind} of this option's type and range") from None
 
 

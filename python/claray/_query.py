@@ -262,7 +262,8 @@ def _query_of(bvh: Structure, kind: Literal["closest", "any"], cull_back_faces: 
     key = (kind, flag("cull_back_faces", cull_back_faces), flag("closed", closed), coherence)
     if key not in bvh._queries:
         bvh._queries[key] = Query(bvh, kind, cull_back_faces=cull_back_faces, closed=closed, coherence=coherence)
-    return bvh._queries[key]
+    query: Query = bvh._queries[key]
+    return query
 
 
 def closest_hit(bvh: Structure, origins: ArrayLike, directions: ArrayLike | None = None, *, tmin: ArrayLike = 0.0,

@@ -360,7 +360,8 @@ class Records(MutableSequence[R]):
 
     def assign(self, values: Iterable[R]) -> None:
         if isinstance(values, (str, Record, np.ndarray)) or not isinstance(values, Iterable):
-            raise UsageError(f"{self._of._kind}s: is a {type(values).__name__}; use a list of claray.{self._of.__name__}")  # pyright: ignore[reportUnknownArgumentType]
+            given = type(cast(object, values)).__name__
+            raise UsageError(f"{self._of._kind}s: is a {given}; use a list of claray.{self._of.__name__}")
         with naming(f"{self._of._kind}s"):
             self[:] = list(values)
 

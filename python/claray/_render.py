@@ -230,10 +230,10 @@ class Renderer(Handle):
                instances: bool = False, vertices: bool = False, everything: bool = False) -> None:
         """Discards all samples and continues with a scene that differs in these parts only.
 
-        camera, lights, sky: as they are called. materials: members, except their textures. instances: transforms; if their number changed, it
-        counts as everything. vertices: places and normals of meshes. everything: uploads and builds anew. Raises UsageError for a
-        render that writes checkpoints, and for meshes or materials of other numbers or sizes without `everything`; the renderer
-        is then unchanged.
+        camera, lights, sky: as they are called. materials: members, except their textures. instances: transforms; if their
+        number changed, it counts as everything. vertices: places and normals of meshes. everything: uploads and builds anew.
+        Raises UsageError for a render that writes checkpoints, and for meshes or materials of other numbers or sizes without
+        `everything`; the renderer is then unchanged.
         """
         native = native_scene(scene)
         parts = {"camera": camera, "lights": lights, "materials": materials, "sky": sky, "instances": instances, "vertices": vertices}
@@ -247,7 +247,8 @@ class Renderer(Handle):
         self._rendered = False
 
     def restart(self, seed: int, *, spp: int = 0, max_depth: int = 0) -> None:
-        """Discards all samples and restarts with another seed. spp, max_depth: in place of those of the options, and not larger; 0: those."""
+        """Discards all samples and restarts with another seed. spp, max_depth: in place of those of the options, and not larger;
+        0: those of the options."""
         self._native.restart(integer("seed", seed, 0, 2**32 - 1), integer("spp", spp, 0, 2**32 - 1),
                              integer("max_depth", max_depth, 0, 2**32 - 1))
         self._rendered = False
@@ -268,8 +269,8 @@ class Renderer(Handle):
         self._native.load_kernels()
 
     def rebuild(self, **bvh: Unpack[BvhOptions]) -> bool:
-        """Builds the tree again with other options; the image does not change. Returns False, and does nothing, if the scene has instances or
-        its own kernels are not in use yet."""
+        """Builds the tree again with other options; the image does not change. Returns False, and does nothing, if the scene has
+        instances or its own kernels are not in use yet."""
         return bool(self._native.rebuild(config_of({"bvh": bvh}).bvh))
 
     def __repr__(self) -> str:

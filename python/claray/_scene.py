@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import NO_WORDS, as_array, check_choice, finite, floats, indices, integer, names_of, naming, number, path_of, places, text, words
+from ._arrays import (NO_WORDS, as_array, check_choice, finite, floats, indices, integer, names_of, naming, number, path_of, places,
+                      text, words)
 from ._handle import Handle, warn
 from ._primitives import curve_arrays, cylinder_rows, disc_rows, sphere_rows
 from ._records import Camera, Light, Material, Records, Vector3, native_of, set_all
@@ -442,7 +443,11 @@ def _append(records: Records[Any], name: str, record: Any, properties: dict[str,
 
 
 def _plain(values: Mapping[str, Any]) -> dict[str, Any]:
-    return {key: np.array(value) if isinstance(value, np.ndarray) else value for key, value in values.items()}  # pyright: ignore[reportUnknownArgumentType]
+    copies: dict[str, Any] = dict(values)
+    for key, value in copies.items():
+        if isinstance(value, np.ndarray):
+            copies[key] = np.array(value)  # pyright: ignore[reportUnknownArgumentType]
+    return copies
 
 
 def _restored(state: Mapping[str, Any]) -> Scene:
@@ -488,8 +493,8 @@ def load(name_or_path: str | os.PathLike[str], **choices: Unpack[LoadOptions]) -
 
     choices: as of LoadOptions.
     What a loader corrects or leaves out is reported by warnings.warn. A file whose own light shows hardly anything gets a
-    studio, a pale sky or a lamp, and a file of rooms a view from inside. A renderer warns of them; queries need neither. Raises InputError, naming the file, for a damaged
-    one, and UsageError for an unknown scene or choice.
+    studio, a pale sky or a lamp, and a file of rooms a view from inside. A renderer warns of them; queries need neither.
+    Raises InputError, naming the file, for a damaged one, and UsageError for an unknown scene or choice.
     """
     options = set_all(_native.NativeLoadOptions(), "load", {**choices})
     path = path_of("name_or_path", name_or_path)
