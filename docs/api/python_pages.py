@@ -43,4 +43,4 @@ def with_lists(text: str, docformat: str, source: Path | None) -> str:
 docstrings.convert = with_lists
 warnings.simplefilter("error")
 pdoc.render.configure(show_source=False)
-pdoc.pdoc("claray", "claray.open3d", "claray.trimesh", "claray.trimesh.proximity", "claray.warp", output_directory=Path(sys.argv[1]))
+pdoc.pdoc("claray", "claray.open3d", "claray.sensors", "claray.trimesh", "claray.trimesh.proximity", "claray.warp", output_directory=Path(sys.argv[1]))

@@ -39,7 +39,7 @@ lidar = sensors.Sensor(world, sensors.spinning(np.linspace(15, -25, options.chan
                        divergence=0.17, farthest=120, range_resolution=0.3, range_noise=0.02, intensity_noise=0.05, dropout=0.01,
                        reference_range=10, frame="world")
 radar = sensors.radar(world, beams=60, farthest=120, velocity_noise=0.05)
-width, height = 960, 540
+width, height = 600, 338
 eye = sensors.camera(width, height, vertical_fov=58, shutter=0.5)
 camera = sensors.Sensor(world, eye, farthest=1000)
 
@@ -55,12 +55,10 @@ def car_at(seconds):
     return sensors.look_at(here, here + (0, 1, 0)), sensors.look_at(here, here + (0, 1, 0), optical=True)
 
 
-points, heights = [], []
 for number in range(options.scans):
     now, then = duration * number, duration * (number + 1)
     world.move(*town.motion(now, duration))
     scan = lidar.scan(car_at(now)[0], car_at(then)[0], number=number)
-    points.append(scan.returns[scan.valid])
 returns = scan.returns[scan.valid]
 echoes = radar.scan(car_at(now)[0], car_at(then)[0]).returns
 moving = np.isin(returns["instance"], town.movers)
@@ -69,11 +67,11 @@ print(f"the last scan: {len(returns)} returns, {(scan.valid.sum(-1) > 1).mean():
 cloud = scan.point_cloud2()
 print(f"PointCloud2: {cloud.width} points of {cloud.point_step} bytes, {', '.join(field.name for field in cloud.fields)}")
 seen = echoes[echoes["instance"] != claray.MISS]
-print(f"radar: {len(seen)} returns, those of movers at {np.round(np.sort(seen['range'][seen['instance'] > 0])[:5], 1).tolist()} m")
+print(f"radar: {len(seen)} returns, those of movers at {np.unique(np.round(seen['range'][seen['instance'] > 0])).astype(int).tolist()} m")
 
 # %% [markdown]
-# Above: the town, as the camera sees materials, from 12 m above the car. Below: the points of the lidar from there, bright where the
-# intensity is large; cars and people are red as they approach and blue as they depart.
+# Above: the town, as the camera sees materials, from behind and above the car. Below: the points of the lidar from there, bright where
+# the intensity is large; cars and people are red as they approach and blue as they depart.
 
 # %%
 behind = car_at(now)[0][:3, 3] + (0, -14, 10)
@@ -85,17 +83,16 @@ shade = 0.35 + 0.65 * np.abs(image["normal"] @ np.array([0.5, 0.6, -0.62]))
 shown = np.where(there[..., None], shade[..., None] * colours[np.where(there, image["material"], len(MATERIALS))], colours[-1])
 
 dots = np.zeros((height, width, 3))
-for points_of in points[-1:]:
-    at = (points_of["point"] - view[:3, 3]) @ view[:3, :3]
-    ahead = at[:, 2] > 0.5
-    focal = height / 2 / np.tan(np.radians(29))
-    x, y = (np.round(focal * at[ahead, i] / at[ahead, 2] + size / 2 - 0.5).astype(int) for i, size in ((0, width), (1, height)))
-    inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
-    kept = points_of[ahead][inside]
-    bright = np.clip(0.15 + 0.5 * np.sqrt(kept["intensity"] * (kept["range"] / 10) ** 2), 0, 1)
-    tint = np.where(np.isin(kept["instance"], town.movers)[:, None], np.where(kept["velocity"][:, None] < 0, [1, 0.25, 0.2], [0.3, 0.55, 1]),
-                    np.where(kept["material"][:, None] == NUMBER["leaves"], [0.5, 0.9, 0.4], [1, 0.85, 0.6]))
-    np.maximum.at(dots, (y[inside], x[inside]), bright[:, None] * tint)
+at = (returns["point"] - view[:3, 3]) @ view[:3, :3]
+ahead = at[:, 2] > 0.5
+focal = height / 2 / np.tan(np.radians(29))
+x, y = (np.round(focal * at[ahead, i] / at[ahead, 2] + size / 2 - 0.5).astype(int) for i, size in ((0, width), (1, height)))
+inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
+kept = returns[ahead][inside]
+bright = np.clip(0.15 + 0.5 * np.sqrt(kept["intensity"] * (kept["range"] / 10) ** 2), 0, 1)
+tint = np.where(np.isin(kept["instance"], town.movers)[:, None], np.where(kept["velocity"][:, None] < 0, [1, 0.25, 0.2], [0.3, 0.55, 1]),
+                np.where(kept["material"][:, None] == NUMBER["leaves"], [0.5, 0.9, 0.4], [1, 0.85, 0.6]))
+np.maximum.at(dots, (y[inside], x[inside]), bright[:, None] * tint)
 picture = np.concatenate([shown, dots]).astype(np.float32).view(claray.Image)
 picture.tone_map = "none"
 picture

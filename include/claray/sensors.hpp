@@ -11,6 +11,7 @@
 #include "claray/shared/sensors/beams.h"
 
 #pragma GCC visibility push(default)
+#pragma GCC visibility push(default)
 namespace claray {
 
 /// The beams of a sensor, row by row. Rows are the rings of a lidar, or those of an image.
@@ -144,4 +145,5 @@ private:
 };
 
 }  // namespace claray
+#pragma GCC visibility pop
 #pragma GCC visibility pop

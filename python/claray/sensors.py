@@ -15,13 +15,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Literal, Sequence
+from typing import Any, Iterable, Literal, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import MISS, NO_FLOATS, NO_WORDS, as_array, builder_called, check_choice, finite, flag, floats, integer, number, output, words
+from ._arrays import MISS, NO_FLOATS, NO_WORDS, as_array, builder_called, check_choice, finite, flag, floats, integer, names_of, number, output, words
 from ._device import AnyDevice, Device, device_of
 from ._handle import Handle
 from ._records import set_all
@@ -39,9 +39,7 @@ primitive are claray.MISS."""
 
 
 def _count(name: str, value: Any, least: int = 1) -> int:
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or not least <= value < 2**32:
-        raise UsageError(f"{name}: is {value!r}; use a whole number from {least} on")
-    return int(value)
+    return integer(name, value, least, 2**32 - 1)
 
 
 def _angles(name: str, value: Any) -> NDArray[np.float64]:
@@ -49,6 +47,13 @@ def _angles(name: str, value: Any) -> NDArray[np.float64]:
     if array.dtype.kind not in "fiu" or array.ndim != 1:
         raise UsageError(f"{name}: has dtype {array.dtype} and shape {array.shape}; use angles in degrees, of shape (N,)")
     return np.radians(array.astype(np.float64))
+
+
+def _numbers(name: str, value: Any, counts: Iterable[int]) -> NDArray[np.float64]:
+    array = np.ravel(as_array(name, value))
+    if array.size not in counts or array.size and (array.dtype.kind not in "fiu" or not np.isfinite(array).all()):
+        raise UsageError(f"{name}: is {value!r}; use {' or '.join(map(str, counts))} finite numbers")
+    return array.astype(np.float64)
 
 
 class Pattern:
@@ -59,7 +64,7 @@ class Pattern:
     Raises UsageError, naming the argument, for other shapes and values that are not finite.
     """
 
-    __slots__ = ("_beams", "rows", "columns")
+    __slots__ = ("_beams", "_rows", "_columns")
 
     def __init__(self, directions: ArrayLike, times: ArrayLike = 0.0) -> None:
         given = as_array("directions", directions)
@@ -74,7 +79,7 @@ class Pattern:
             raise UsageError(f"times: has dtype {when.dtype} and shape {when.shape}; use one number, or {given.shape[:-1]}")
         if when.size and not (when.min() >= 0 and when.max() <= 1):
             raise UsageError("times: holds numbers outside 0 to 1")
-        self.rows, self.columns = grid
+        self._rows, self._columns = grid
         self._beams = np.empty((len(vectors), 4), np.float32)
         self._beams[:, :3] = np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 0)
         self._beams[:, 3] = np.ravel(when)
@@ -82,8 +87,16 @@ class Pattern:
     @classmethod
     def _of(cls, arrays: tuple[int, int, NDArray[np.float32]]) -> Pattern:
         pattern = cls.__new__(cls)
-        pattern.rows, pattern.columns, pattern._beams = arrays
+        pattern._rows, pattern._columns, pattern._beams = arrays
         return pattern
+
+    @property
+    def rows(self) -> int:
+        return self._rows
+
+    @property
+    def columns(self) -> int:
+        return self._columns
 
     @property
     def directions(self) -> NDArray[np.float32]:
@@ -146,12 +159,9 @@ def camera(width: int, height: int, *, vertical_fov: float | None = None, focal:
         if not 0 < half < (math.pi / 2 if lens == "pinhole" else math.pi + 1e-9):
             raise UsageError(f"vertical_fov: is {vertical_fov!r}; use an angle above 0 that the lens can have")
         focal = down / 2 / (math.tan(half) if lens == "pinhole" else half)
-    lengths = np.ravel(as_array("focal", focal))
-    middle = np.ravel(as_array("center", ((across - 1) / 2, (down - 1) / 2) if center is None else center))
-    bent = np.ravel(as_array("distortion", distortion)).astype(np.float64)
-    for name, array, sizes in (("focal", lengths, (1, 2)), ("center", middle, (2,)), ("distortion", bent, range(6 if lens == "pinhole" else 5))):
-        if array.size not in sizes or not np.isfinite(array.astype(np.float64)).all():
-            raise UsageError(f"{name}: is {array.tolist()}; use {' or '.join(map(str, sizes))} finite numbers")
+    lengths = _numbers("focal", focal, (1, 2))
+    middle = _numbers("center", ((across - 1) / 2, (down - 1) / 2) if center is None else center, (2,))
+    bent = _numbers("distortion", distortion, range(6 if lens == "pinhole" else 5))
     return Pattern._of(_native.camera_beams(across, down, lens, [float(lengths[0]), float(lengths[-1]), *map(float, middle)], bent.tolist(),
                                             number("shutter", shutter)))
 
@@ -266,9 +276,7 @@ class Sensor(Handle):
             raise UsageError(f"pattern: is a {type(pattern).__name__}; use a claray.sensors.Pattern")
         check_choice("frame", frame, ("sensor", "world"))
         check_choice("order", order, ("strongest", "first", "last"))
-        angles = _angles("divergence", divergence)
-        if len(angles) > 2:
-            raise UsageError(f"divergence: has {len(angles)} angles; use one, or two: to the sides and up")
+        angles = np.radians(_numbers("divergence", divergence, (1, 2)))
         numbers = {name: number(name, value) for name, value in (
             ("nearest", nearest), ("farthest", farthest), ("range_resolution", range_resolution),
             ("velocity_resolution", velocity_resolution), ("range_noise", range_noise), ("velocity_noise", velocity_noise),
@@ -299,9 +307,9 @@ class Sensor(Handle):
         begin = _poses("pose", pose)
         end = begin if pose_end is None else _poses("pose_end", pose_end, len(begin))
         native = self._native.scan(self._world._native, begin, end, _count("number", number, 0))
-        several = np.ndim(pose) == 3  # type: ignore[arg-type]
+        several = np.ndim(pose) == 3
         grid = (self._pattern.rows, self._pattern.columns, self._returns)
-        return Scan(native, self._pattern, (len(begin), *grid) if several else grid)
+        return Scan._of(native, self._pattern, (len(begin), *grid) if several else grid)
 
     def __repr__(self) -> str:
         return f"<claray.sensors.Sensor of {self._pattern.rows} x {self._pattern.columns} beams, {self._returns} returns each>"
@@ -350,10 +358,17 @@ class Scan:
     """The returns of a scan, on the device until they are read."""
 
     __slots__ = ("_native", "_pattern", "_shape", "_read")
+    _read: NDArray[Any] | None
 
-    def __init__(self, native: Any, pattern: Pattern, shape: tuple[int, ...]) -> None:
-        self._native, self._pattern, self._shape = native, pattern, shape
-        self._read: NDArray[Any] | None = None
+    def __init__(self) -> None:
+        raise UsageError("Scan: scans are made by Sensor.scan")
+
+    @classmethod
+    def _of(cls, native: Any, pattern: Pattern, shape: tuple[int, ...]) -> Scan:
+        scan = cls.__new__(cls)
+        scan._native, scan._pattern, scan._shape = native, pattern, shape
+        scan._read = None
+        return scan
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -376,7 +391,8 @@ class Scan:
     @property
     def valid(self) -> NDArray[np.bool_]:
         """Which of them are there, in the scan's shape."""
-        return self.returns["instance"] != MISS
+        valid: NDArray[np.bool_] = self.returns["instance"] != MISS
+        return valid
 
     @property
     def points(self) -> NDArray[np.float32]:
@@ -395,7 +411,7 @@ class Scan:
         ring and column: four bytes each. organized: a point for each return, in rows; those that are not there have NaN.
         Otherwise one row of those that are there. Several sensors follow each other.
         """
-        names = [fields] if isinstance(fields, str) else list(fields)
+        names = names_of("fields", fields).split(",")
         known = [*_FIELDS, *(name for name in RETURN.names or () if name not in ("point", "normal"))]
         for name in names:
             if name not in known:

@@ -26,6 +26,7 @@ from pathlib import Path
 import numpy as np
 
 import claray
+from claray import sensors
 
 SECONDS_OF_A_HANG = 600
 NEVER = {"accuracy", "benchmark", "verify"}  # they take seconds by design
@@ -219,6 +220,9 @@ def new_pool():
             "Query": [claray.Query(bvh)], "Filter": [claray.geometry_range(0, 1)], "Rays": [claray.rays(corners, corners + 1)],
             "Material": [claray.Material()], "Light": [claray.Light("point")], "Camera": [claray.Camera()],
             "Renderer": [claray.Renderer(claray.load("cornell"), **{k: SMALL[k] for k in ("width", "height", "spp")})]}
+    world = sensors.World(claray.load("cornell"), movers=[0])
+    lidar = sensors.Sensor(world, sensors.raster(2, 3))
+    pool |= {"World": [world], "Pattern": [lidar.pattern], "Sensor": [lidar], "Scan": [lidar.scan(np.eye(4))]}
     try:
         import trimesh
         pool["Trimesh"] = [trimesh.Trimesh(corners, faces)]

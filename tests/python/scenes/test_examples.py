@@ -24,7 +24,7 @@ SMALL = {
     "animation": (["--spp", "1", "--width", "16"], "at 2.6 s: 4 balls", (24, 48)),
     "layers": (["--scene", "cornell", "--spp", "2", "--width", "16", "--exr", "all.exr"], "of the pixels see a surface", (24, 48)),
     "light_map": (["--spp", "1", "--width", "24", "--texels", "8"], "irradiance of the floor: 0.", (16, 24)),
-    "town_lidar": (["--blocks", "1", "--channels", "16", "--columns", "180", "--scans", "1"], "180 cars and people", (1080, 960)),
+    "town_lidar": (["--blocks", "1", "--channels", "16", "--columns", "180", "--scans", "1"], "180 cars and people", (676, 600)),
     "awaited": (["--noise", "1", "--width", "16"], "the loop ticked", (16, 16)),
 }
 

@@ -252,7 +252,7 @@ def test_bits_are_those_of_a_second_driver():
     ("order: unknown name", lambda w: sensors.Sensor(w, sensors.raster(2, 2), order="best")),
     ("dropout: is -", lambda w: sensors.Sensor(w, sensors.raster(2, 2), dropout=-0.5)),
     ("range_noise: is nan", lambda w: sensors.Sensor(w, sensors.raster(2, 2), range_noise=float("nan"))),
-    ("divergence: has 3 angles", lambda w: sensors.Sensor(w, sensors.raster(2, 2), divergence=(1, 2, 3))),
+    ("divergence: is (1, 2, 3); use 1 or 2", lambda w: sensors.Sensor(w, sensors.raster(2, 2), divergence=(1, 2, 3))),
     ("seed: is -1", lambda w: sensors.Sensor(w, sensors.raster(2, 2), seed=-1)),
     ("transforms: has 2 matrices", lambda w: w.move([placed(1, 0, 0)] * 2)),
     ("ends: has 2 matrices", lambda w: w.move([placed(1, 0, 0)], [placed(1, 0, 0)] * 2)),
