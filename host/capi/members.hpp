@@ -96,186 +96,145 @@ template <class C, class Cpp>
 void take(const C& from, Cpp& to, const std::string& name);
 
 // Calls visit(name, member of C, member of C++) for all pairs.
-#define CLARAY_PAIR(member) visit(#member, c.member, cpp.member);
+#define CLARAY_PAIR(member) visit(#member, c.member, cpp.member)
 
 template <class C, IsOf<TextureUse> Cpp, class Visit>
 void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
-    CLARAY_PAIR(texture)
-    CLARAY_PAIR(uv_set) CLARAY_PAIR(offset) CLARAY_PAIR(scale) CLARAY_PAIR(rotation)
+    CLARAY_PAIR(texture), CLARAY_PAIR(uv_set), CLARAY_PAIR(offset), CLARAY_PAIR(scale), CLARAY_PAIR(rotation);
 }
 
 template <class C, IsOf<Material> Cpp, class Visit>
 void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
-    CLARAY_PAIR(name)
-    CLARAY_PAIR(kind)
-    CLARAY_PAIR(albedo)
-    CLARAY_PAIR(emission)
-    CLARAY_PAIR(roughness)
-    CLARAY_PAIR(ior)
-    CLARAY_PAIR(metallic) CLARAY_PAIR(transmission) CLARAY_PAIR(thin_walled) CLARAY_PAIR(clearcoat)
-        CLARAY_PAIR(clearcoat_roughness) CLARAY_PAIR(specular) CLARAY_PAIR(specular_weight) CLARAY_PAIR(specular_tint)
-            CLARAY_PAIR(sheen) CLARAY_PAIR(sheen_roughness) CLARAY_PAIR(anisotropy) CLARAY_PAIR(anisotropy_rotation)
-                CLARAY_PAIR(iridescence) CLARAY_PAIR(iridescence_ior) CLARAY_PAIR(film_thickness)
-                    CLARAY_PAIR(attenuation) CLARAY_PAIR(attenuation_distance) CLARAY_PAIR(opacity)
-                        CLARAY_PAIR(alpha_mode) CLARAY_PAIR(alpha_cutoff) CLARAY_PAIR(alpha_test) CLARAY_PAIR(cull_back)
-                            CLARAY_PAIR(albedo_map) CLARAY_PAIR(emission_map) CLARAY_PAIR(metallic_roughness_map)
-                                CLARAY_PAIR(transmission_map) CLARAY_PAIR(clearcoat_map)
-                                    CLARAY_PAIR(clearcoat_roughness_map) CLARAY_PAIR(clearcoat_normal_map)
-                                        CLARAY_PAIR(clearcoat_normal_scale) CLARAY_PAIR(specular_map)
-                                            CLARAY_PAIR(specular_weight_map) CLARAY_PAIR(shininess_map)
-                                                CLARAY_PAIR(sheen_map) CLARAY_PAIR(sheen_roughness_map)
-                                                    CLARAY_PAIR(anisotropy_map) CLARAY_PAIR(iridescence_map)
-                                                        CLARAY_PAIR(film_thickness_map) CLARAY_PAIR(opacity_map)
-                                                            CLARAY_PAIR(normal_map) CLARAY_PAIR(normal_scale)
-                                                                CLARAY_PAIR(height_map) CLARAY_PAIR(height_scale)
-                                                                    CLARAY_PAIR(light_map) CLARAY_PAIR(custom)
-#define CLARAY_ROW(name, text, standard, check) CLARAY_PAIR(name)
-                                                                        CLARAY_BSDF_PARAMETERS(CLARAY_ROW)
+    CLARAY_PAIR(name), CLARAY_PAIR(kind), CLARAY_PAIR(albedo), CLARAY_PAIR(emission), CLARAY_PAIR(roughness),
+        CLARAY_PAIR(ior), CLARAY_PAIR(metallic), CLARAY_PAIR(transmission), CLARAY_PAIR(thin_walled),
+        CLARAY_PAIR(clearcoat), CLARAY_PAIR(clearcoat_roughness), CLARAY_PAIR(specular), CLARAY_PAIR(specular_weight),
+        CLARAY_PAIR(specular_tint), CLARAY_PAIR(sheen), CLARAY_PAIR(sheen_roughness), CLARAY_PAIR(anisotropy),
+        CLARAY_PAIR(anisotropy_rotation), CLARAY_PAIR(iridescence), CLARAY_PAIR(iridescence_ior),
+        CLARAY_PAIR(film_thickness), CLARAY_PAIR(attenuation), CLARAY_PAIR(attenuation_distance), CLARAY_PAIR(opacity),
+        CLARAY_PAIR(alpha_mode), CLARAY_PAIR(alpha_cutoff), CLARAY_PAIR(alpha_test), CLARAY_PAIR(cull_back),
+        CLARAY_PAIR(albedo_map), CLARAY_PAIR(emission_map), CLARAY_PAIR(metallic_roughness_map),
+        CLARAY_PAIR(transmission_map), CLARAY_PAIR(clearcoat_map), CLARAY_PAIR(clearcoat_roughness_map),
+        CLARAY_PAIR(clearcoat_normal_map), CLARAY_PAIR(clearcoat_normal_scale), CLARAY_PAIR(specular_map),
+        CLARAY_PAIR(specular_weight_map), CLARAY_PAIR(shininess_map), CLARAY_PAIR(sheen_map),
+        CLARAY_PAIR(sheen_roughness_map), CLARAY_PAIR(anisotropy_map), CLARAY_PAIR(iridescence_map),
+        CLARAY_PAIR(film_thickness_map), CLARAY_PAIR(opacity_map), CLARAY_PAIR(normal_map), CLARAY_PAIR(normal_scale),
+        CLARAY_PAIR(height_map), CLARAY_PAIR(height_scale), CLARAY_PAIR(light_map), CLARAY_PAIR(custom);
+#define CLARAY_ROW(name, text, standard, check) CLARAY_PAIR(name);
+    CLARAY_BSDF_PARAMETERS(CLARAY_ROW)
 #undef CLARAY_ROW
 }
 
 template <class C, IsOf<Light> Cpp, class Visit>
 void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
-    CLARAY_PAIR(name)
-    CLARAY_PAIR(kind)
-    CLARAY_PAIR(position)
-    CLARAY_PAIR(direction)
-    CLARAY_PAIR(intensity)
-    CLARAY_PAIR(inner_angle)
-    CLARAY_PAIR(outer_angle) CLARAY_PAIR(range) CLARAY_PAIR(attenuation) CLARAY_PAIR(linear_range)
+    CLARAY_PAIR(name), CLARAY_PAIR(kind), CLARAY_PAIR(position), CLARAY_PAIR(direction), CLARAY_PAIR(intensity),
+        CLARAY_PAIR(inner_angle), CLARAY_PAIR(outer_angle), CLARAY_PAIR(range), CLARAY_PAIR(attenuation),
+        CLARAY_PAIR(linear_range);
 }
 
 template <class C, IsOf<Sky> Cpp, class Visit>
 void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
-#define CLARAY_ROW(name, text) CLARAY_PAIR(name)
+#define CLARAY_ROW(name, text) CLARAY_PAIR(name);
     CLARAY_SKY(CLARAY_ROW, CLARAY_ROW)
 #undef CLARAY_ROW
 }
 
 template <class C, IsOf<Camera> Cpp, class Visit>
 void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
-    CLARAY_PAIR(projection)
-    CLARAY_PAIR(position)
-    CLARAY_PAIR(target)
-    CLARAY_PAIR(up)
-    CLARAY_PAIR(vertical_fov) CLARAY_PAIR(aperture_radius) CLARAY_PAIR(focus_distance) CLARAY_PAIR(orthographic_height)
+    CLARAY_PAIR(projection), CLARAY_PAIR(position), CLARAY_PAIR(target), CLARAY_PAIR(up), CLARAY_PAIR(vertical_fov),
+        CLARAY_PAIR(aperture_radius), CLARAY_PAIR(focus_distance), CLARAY_PAIR(orthographic_height);
 }
 
 template <class C, IsOf<Texture> Cpp, class Visit>
 void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
-    CLARAY_PAIR(name)
-    CLARAY_PAIR(width)
-    CLARAY_PAIR(height)
-    CLARAY_PAIR(channels) CLARAY_PAIR(format) CLARAY_PAIR(wrap_u) CLARAY_PAIR(wrap_v) CLARAY_PAIR(filter)
+    CLARAY_PAIR(name), CLARAY_PAIR(width), CLARAY_PAIR(height), CLARAY_PAIR(channels), CLARAY_PAIR(format),
+        CLARAY_PAIR(wrap_u), CLARAY_PAIR(wrap_v), CLARAY_PAIR(filter);
 }
 
 template <class C, IsOf<LoadOptions> Cpp, class Visit>
 void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
-    CLARAY_PAIR(animation) CLARAY_PAIR(variant) CLARAY_PAIR(camera) CLARAY_PAIR(scene) CLARAY_PAIR(live)
+    CLARAY_PAIR(animation), CLARAY_PAIR(variant), CLARAY_PAIR(camera), CLARAY_PAIR(scene), CLARAY_PAIR(live);
 }
 
 template <class C, IsOf<LightGridConfig> Cpp, class Visit>
 void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
-    CLARAY_PAIR(voxels)
-    CLARAY_PAIR(side)
-    CLARAY_PAIR(coefficients) CLARAY_PAIR(levels) CLARAY_PAIR(gather) CLARAY_PAIR(rays) CLARAY_PAIR(updates)
+    CLARAY_PAIR(voxels), CLARAY_PAIR(side), CLARAY_PAIR(coefficients), CLARAY_PAIR(levels), CLARAY_PAIR(gather),
+        CLARAY_PAIR(rays), CLARAY_PAIR(updates);
 }
 
 template <class C, IsOf<RenderConfig> Cpp, class Visit>
 void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
-    CLARAY_PAIR(width)
-    CLARAY_PAIR(height)
-    CLARAY_PAIR(spp)
-    CLARAY_PAIR(max_depth)
-    CLARAY_PAIR(seed)
-    CLARAY_PAIR(seconds)
-    CLARAY_PAIR(noise) CLARAY_PAIR(error) CLARAY_PAIR(sample_clamp) CLARAY_PAIR(adaptive) CLARAY_PAIR(sampler)
-        CLARAY_PAIR(report_seconds) CLARAY_PAIR(parts) CLARAY_PAIR(compiler) CLARAY_PAIR(checkpoint)
-            CLARAY_PAIR(checkpoint_seconds) CLARAY_PAIR(resume)
+    CLARAY_PAIR(width), CLARAY_PAIR(height), CLARAY_PAIR(spp), CLARAY_PAIR(max_depth), CLARAY_PAIR(seed),
+        CLARAY_PAIR(seconds), CLARAY_PAIR(noise), CLARAY_PAIR(error), CLARAY_PAIR(sample_clamp), CLARAY_PAIR(adaptive),
+        CLARAY_PAIR(sampler), CLARAY_PAIR(report_seconds), CLARAY_PAIR(parts), CLARAY_PAIR(compiler),
+        CLARAY_PAIR(checkpoint), CLARAY_PAIR(checkpoint_seconds), CLARAY_PAIR(resume);
 }
 
 template <class C, IsOf<LightMapConfig> Cpp, class Visit>
 void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
-    CLARAY_PAIR(width)
-    CLARAY_PAIR(height) CLARAY_PAIR(spp) CLARAY_PAIR(max_depth) CLARAY_PAIR(seed) CLARAY_PAIR(sampler)
+    CLARAY_PAIR(width), CLARAY_PAIR(height), CLARAY_PAIR(spp), CLARAY_PAIR(max_depth), CLARAY_PAIR(seed),
+        CLARAY_PAIR(sampler);
 }
 
 template <class C, IsOf<RenderProgress> Cpp, class Visit>
 void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
-    CLARAY_PAIR(spp)
-    CLARAY_PAIR(seconds)
-    CLARAY_PAIR(noise)
-    CLARAY_PAIR(error)
-    CLARAY_PAIR(error_bound)
-    CLARAY_PAIR(error_of_fireflies)
-    CLARAY_PAIR(cut_off) CLARAY_PAIR(spp_target) CLARAY_PAIR(error_spp) CLARAY_PAIR(own_kernels)
-        CLARAY_PAIR(waits_for_kernels) CLARAY_PAIR(culled) CLARAY_PAIR(dropped_samples)
+    CLARAY_PAIR(spp), CLARAY_PAIR(seconds), CLARAY_PAIR(noise), CLARAY_PAIR(error), CLARAY_PAIR(error_bound),
+        CLARAY_PAIR(error_of_fireflies), CLARAY_PAIR(cut_off), CLARAY_PAIR(spp_target), CLARAY_PAIR(error_spp),
+        CLARAY_PAIR(own_kernels), CLARAY_PAIR(waits_for_kernels), CLARAY_PAIR(culled), CLARAY_PAIR(dropped_samples);
 }
 
 template <class C, IsOf<RayCount> Cpp, class Visit>
 void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
-    CLARAY_PAIR(rays) CLARAY_PAIR(milliseconds)
+    CLARAY_PAIR(rays), CLARAY_PAIR(milliseconds);
 }
 
 template <class C, IsOf<RenderStatistics> Cpp, class Visit>
 void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
-    CLARAY_PAIR(first_pixel_seconds)
-    CLARAY_PAIR(first_pixel_processor_seconds)
-    CLARAY_PAIR(start)
-    CLARAY_PAIR(own_kernels_from)
-    CLARAY_PAIR(own_kernels)
-    CLARAY_PAIR(primitives)
-    CLARAY_PAIR(build_milliseconds) CLARAY_PAIR(camera) CLARAY_PAIR(bounce) CLARAY_PAIR(shadow) CLARAY_PAIR(in_paths)
-        CLARAY_PAIR(device_bytes) CLARAY_PAIR(most_device_bytes) CLARAY_PAIR(bytes_paged) CLARAY_PAIR(parts)
-            CLARAY_PAIR(adapted) CLARAY_PAIR(guided) CLARAY_PAIR(longest_milliseconds) CLARAY_PAIR(longest_command)
-                CLARAY_PAIR(dropped_samples) CLARAY_PAIR(measuring_seconds)
+    CLARAY_PAIR(first_pixel_seconds), CLARAY_PAIR(first_pixel_processor_seconds), CLARAY_PAIR(start),
+        CLARAY_PAIR(own_kernels_from), CLARAY_PAIR(own_kernels), CLARAY_PAIR(primitives),
+        CLARAY_PAIR(build_milliseconds), CLARAY_PAIR(camera), CLARAY_PAIR(bounce), CLARAY_PAIR(shadow),
+        CLARAY_PAIR(in_paths), CLARAY_PAIR(device_bytes), CLARAY_PAIR(most_device_bytes), CLARAY_PAIR(bytes_paged),
+        CLARAY_PAIR(parts), CLARAY_PAIR(adapted), CLARAY_PAIR(guided), CLARAY_PAIR(longest_milliseconds),
+        CLARAY_PAIR(longest_command), CLARAY_PAIR(dropped_samples), CLARAY_PAIR(measuring_seconds);
 }
 
 template <class C, IsOf<BvhStatistics> Cpp, class Visit>
 void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
-    CLARAY_PAIR(triangles)
-    CLARAY_PAIR(culled) CLARAY_PAIR(references) CLARAY_PAIR(height) CLARAY_PAIR(sah_cost) CLARAY_PAIR(bytes)
+    CLARAY_PAIR(triangles), CLARAY_PAIR(culled), CLARAY_PAIR(references), CLARAY_PAIR(height), CLARAY_PAIR(sah_cost),
+        CLARAY_PAIR(bytes);
 }
 
 template <class C, IsOf<BvhValidation> Cpp, class Visit>
 void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
-    CLARAY_PAIR(leaves_missing)
-    CLARAY_PAIR(leaves_repeated) CLARAY_PAIR(boxes_not_containing) CLARAY_PAIR(links_broken)
+    CLARAY_PAIR(leaves_missing), CLARAY_PAIR(leaves_repeated), CLARAY_PAIR(boxes_not_containing),
+        CLARAY_PAIR(links_broken);
 }
 
 template <class C, IsOf<InstanceStatistics> Cpp, class Visit>
 void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
-    CLARAY_PAIR(instances)
-    CLARAY_PAIR(culled)
-    CLARAY_PAIR(height) CLARAY_PAIR(widening) CLARAY_PAIR(sah_cost) CLARAY_PAIR(top_bytes) CLARAY_PAIR(bottom_bytes)
+    CLARAY_PAIR(instances), CLARAY_PAIR(culled), CLARAY_PAIR(height), CLARAY_PAIR(widening), CLARAY_PAIR(sah_cost),
+        CLARAY_PAIR(top_bytes), CLARAY_PAIR(bottom_bytes);
 }
 
 template <class C, IsOf<Lens> Cpp, class Visit>
 void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
-    CLARAY_PAIR(kind) CLARAY_PAIR(fx) CLARAY_PAIR(fy) CLARAY_PAIR(cx) CLARAY_PAIR(cy) CLARAY_PAIR(distortion)
+    CLARAY_PAIR(kind), CLARAY_PAIR(fx), CLARAY_PAIR(fy), CLARAY_PAIR(cx), CLARAY_PAIR(cy), CLARAY_PAIR(distortion);
 }
 
 template <class C, IsOf<SensorConfig> Cpp, class Visit>
 void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
-    CLARAY_PAIR(rays)
-    CLARAY_PAIR(returns)
-    CLARAY_PAIR(order)
-    CLARAY_PAIR(divergence) CLARAY_PAIR(nearest) CLARAY_PAIR(farthest) CLARAY_PAIR(range_resolution)
-        CLARAY_PAIR(velocity_resolution) CLARAY_PAIR(range_noise) CLARAY_PAIR(velocity_noise)
-            CLARAY_PAIR(intensity_noise) CLARAY_PAIR(dropout) CLARAY_PAIR(reference_range) CLARAY_PAIR(extinction)
-                CLARAY_PAIR(least_intensity) CLARAY_PAIR(duration) CLARAY_PAIR(in_world) CLARAY_PAIR(seed)
+    CLARAY_PAIR(rays), CLARAY_PAIR(returns), CLARAY_PAIR(order), CLARAY_PAIR(divergence), CLARAY_PAIR(nearest),
+        CLARAY_PAIR(farthest), CLARAY_PAIR(range_resolution), CLARAY_PAIR(velocity_resolution),
+        CLARAY_PAIR(range_noise), CLARAY_PAIR(velocity_noise), CLARAY_PAIR(intensity_noise), CLARAY_PAIR(dropout),
+        CLARAY_PAIR(reference_range), CLARAY_PAIR(extinction), CLARAY_PAIR(least_intensity), CLARAY_PAIR(duration),
+        CLARAY_PAIR(in_world), CLARAY_PAIR(seed);
 }
 
 template <class C, IsOf<DeviceInfo> Cpp, class Visit>
 void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
-    CLARAY_PAIR(index)
-    CLARAY_PAIR(platform)
-    CLARAY_PAIR(name)
-    CLARAY_PAIR(vendor)
-    CLARAY_PAIR(driver)
-    CLARAY_PAIR(version)
-    CLARAY_PAIR(type) CLARAY_PAIR(compute_units) CLARAY_PAIR(memory) CLARAY_PAIR(max_allocation)
-        CLARAY_PAIR(local_memory) CLARAY_PAIR(max_work_group) CLARAY_PAIR(fp64) CLARAY_PAIR(exact_divide)
+    CLARAY_PAIR(index), CLARAY_PAIR(platform), CLARAY_PAIR(name), CLARAY_PAIR(vendor), CLARAY_PAIR(driver),
+        CLARAY_PAIR(version), CLARAY_PAIR(type), CLARAY_PAIR(compute_units), CLARAY_PAIR(memory),
+        CLARAY_PAIR(max_allocation), CLARAY_PAIR(local_memory), CLARAY_PAIR(max_work_group), CLARAY_PAIR(fp64),
+        CLARAY_PAIR(exact_divide);
 }
 #undef CLARAY_PAIR
 
