@@ -200,9 +200,10 @@ def set_option(native: Any, key: str, value: Any, of: str, path: str) -> None:
     if key.startswith("_") or not hasattr(native, key):
         raise UsageError(f"{path}: unknown option of {of}")
     current = getattr(native, key)
+    type_name = type(current).__name__
     if key == "approximate":
         value = names_of("approximate", value) or "nothing"
-    if type(current).__name__.startswith("Native"):
+    if type_name.startswith("Native"):
         _set_inner(current, value, of, path)
         return
     is_path = isinstance(current, os.PathLike)
@@ -213,7 +214,7 @@ def set_option(native: Any, key: str, value: Any, of: str, path: str) -> None:
             raise TypeError  # float("1") is a number, too
         setattr(native, key, value)
     except (TypeError, OverflowError):
-        kind = {"str": "a text", "bool": "True or False"}.get(type(current).__name__, "a path" if is_path else "a number")
+        kind = {"str": "a text", "bool": "True or False"}.get(type_name, "a path" if is_path else "a number")
         raise UsageError(f"{path}: {value!r} is not {kind} of this option's type and range") from None
 
 
