@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Sequence, TypedDict, cast
+from typing import Any, Callable, Sequence, TypedDict, cast, get_args
 
 from . import _native
 from ._arrays import flag, integer, names_of
 from ._device import AnyDevice, device_of
-from ._options import RenderOptions, config_of
+from ._options import Approximation, RenderOptions, config_of
 from ._render import native_scene
 from ._scene import Scene
 from ._typing import Unpack
 from .errors import UsageError
+
+_APPROXIMATIONS: tuple[str, ...] = get_args(Approximation)
 
 
 class Variant(TypedDict):
@@ -64,14 +66,23 @@ def explain(scene: Scene, *, device: AnyDevice = None, only: str | Sequence[str]
     """Measures what each effect of a scene costs, as the program's `claray explain`: renders with and without it, by turns. May take
     minutes. Scene.effects() tells, at once, which effects a scene uses.
 
-    only: names of effects to measure; None: those that the scene uses. rounds: pairs of renders for each. compile_times: compile
+    only: names of effects and approximations to measure; None: those that the scene uses. rounds: pairs of renders for each. compile_times: compile
     all kernels once more for their time. progress: called with what is done next. options: as of Renderer.
     """
     native = native_scene(scene)
     scene.validate()
     turns, times = integer("rounds", rounds, 1, 1000), flag("compile_times", compile_times)
-    names = None if only is None else names_of("only", only)
+    effects, approximations = _divided(None if only is None else names_of("only", only))
     if progress is not None and not callable(progress):
         raise UsageError(f"progress: is {progress!r}; use a function or None")
     config = config_of({"width": 128, "height": 128, **options})
-    return cast(Explanation, _native.explain(device_of(device)._native, native, config, names, turns, times, progress))
+    return cast(Explanation, _native.explain(device_of(device)._native, native, config, effects, approximations, turns, times, progress))
+
+
+def _divided(names: str | None) -> tuple[str | None, str]:
+    """Names of effects, or None for those of the scene; and names of approximations."""
+    if names is None:
+        return None, ",".join(_APPROXIMATIONS)
+    given = [name.strip() for name in names.split(",") if name.strip()]
+    approximations = [name for name in given if name in _APPROXIMATIONS]
+    return ",".join(name for name in given if name not in _APPROXIMATIONS), ",".join(approximations) or "nothing"

@@ -60,9 +60,11 @@ Dict as_dict(const measure::ExplainedApproximation& a) {
 
 /// `only`: the effects to measure; none: those that the scene uses.
 Dict explain(const PyDevice& device, const Scene& scene, const RenderConfig& config,
-             const std::optional<std::string>& only, int rounds, bool compile_times, const nb::object& progress) {
+             const std::optional<std::string>& only, const std::string& approximate, int rounds, bool compile_times,
+             const nb::object& progress) {
     measure::ExplainOptions options;
-    options.only = only ? parse_effects(*only) : effects_of(scene);
+    options.only = !only ? effects_of(scene) : only->empty() ? EffectSet() : parse_effects(*only);
+    options.approximations = parse_approximations(approximate);
     options.everything = false;
     options.rounds = rounds;
     options.compile_times = compile_times;
@@ -87,7 +89,7 @@ Dict explain(const PyDevice& device, const Scene& scene, const RenderConfig& con
 void bind_explain(nb::module_& module) {
     module.def("causes_of_effects", &causes);
     module.def("explain", &explain, nb::arg("device"), nb::arg("scene"), nb::arg("config"), nb::arg("only").none(),
-               nb::arg("rounds"), nb::arg("compile_times"), nb::arg("progress").none());
+               nb::arg("approximate"), nb::arg("rounds"), nb::arg("compile_times"), nb::arg("progress").none());
 }
 
 }  // namespace claray::python

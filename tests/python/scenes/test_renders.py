@@ -302,8 +302,11 @@ def test_effects_are_explained():
     assert "lambert" in effects and "emissive-triangles" in effects and effects["lambert"]
     assert "emissive-triangles" not in scene.without_effects("emissive-triangles").effects()
     said = []
-    explained = claray.explain(scene, only=["lambert", "emissive-triangles"], rounds=1, width=16, height=16, progress=said.append)
+    explained = claray.explain(scene, only=["lambert", "emissive-triangles", "no-shadows"], rounds=1, width=16, height=16, progress=said.append)
     assert {row["effect"] for row in explained["effects"]} == {"lambert", "emissive-triangles"} and said
     row = next(row for row in explained["effects"] if row["effect"] == "emissive-triangles")
     assert row["used"] and row["measured"] and row["ratio"] > 0 and explained["own"]["milliseconds"] > 0
+    assert [row["approximation"] for row in explained["approximations"]] == ["no-shadows"] and explained["approximations"][0]["error"] > 0
     refused("rounds", lambda: claray.explain(scene, rounds=0))
+    with pytest.raises(claray.UsageError, match="gloss"):
+        claray.explain(scene, only="gloss")
