@@ -22,3 +22,4 @@
 #include "claray/query/points.hpp"
 #include "claray/renderer.hpp"
 #include "claray/scene.hpp"
+#include "claray/sensors.hpp"
