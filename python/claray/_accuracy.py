@@ -23,26 +23,28 @@ class Study(Handle):
 
     @property
     def name(self) -> str:
-        return self._native.name
+        return str(self._native.name)
 
     @property
     def title(self) -> str:
-        return self._native.title
+        return str(self._native.title)
 
     @property
     def points(self) -> list[dict[str, Any]]:
         """method, setting, value, runs, error and seconds (lower quartile, median, upper quartile), front (no other point
         is both faster and more accurate), failure, facts."""
-        return self._native.points()
+        points: list[dict[str, Any]] = self._native.points()
+        return points
 
     @property
     def findings(self) -> list[str]:
         """Conclusions in words."""
-        return self._native.findings
+        findings: list[str] = self._native.findings
+        return findings
 
     def svg(self) -> str:
         """The plot as SVG: error and seconds, both logarithmic."""
-        return self._native.svg(self._subtitle)
+        return str(self._native.svg(self._subtitle))
 
     def _repr_svg_(self) -> str:
         return self.svg()

@@ -50,26 +50,27 @@ class Device(Handle):
     @property
     def info(self) -> dict[str, Any]:
         """Properties of the device, as devices() lists them."""
-        return self._native.info()
+        info: dict[str, Any] = self._native.info()
+        return info
 
     @property
     def name(self) -> str:
-        return self.info["name"]
+        return str(self.info["name"])
 
     @property
     def type(self) -> str:
         """"cpu", "gpu" or "other"."""
-        return self.info["type"]
+        return str(self.info["type"])
 
     @property
     def context_ptr(self) -> int:
         """The cl_context, for pyopencl.Context.from_int_ptr."""
-        return self._native.context_ptr()
+        return int(self._native.context_ptr())
 
     @property
     def queue_ptr(self) -> int:
         """The cl_command_queue, for pyopencl.CommandQueue.from_int_ptr."""
-        return self._native.queue_ptr()
+        return int(self._native.queue_ptr())
 
     def finish(self) -> None:
         """Waits for all commands of the queue."""

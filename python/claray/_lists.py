@@ -30,7 +30,8 @@ class Lists:
     @property
     def counts(self) -> NDArray[np.int64]:
         """The number of results of each query: (N,)."""
-        return np.diff(self.offsets.astype(np.int64))
+        offsets = self.offsets.astype(np.int64)
+        return offsets[1:] - offsets[:-1]
 
     @property
     def queries(self) -> NDArray[np.int64]:

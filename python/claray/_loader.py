@@ -48,7 +48,7 @@ def _installed() -> list[str]:
 
 
 def _read_system() -> dict[str, str]:
-    texts = {}
+    texts: dict[str, str] = {}
     for folder in (_SYSTEM, os.path.join(sys.prefix, "etc/OpenCL/vendors")):  # the latter in an environment of conda
         for path in sorted(glob.glob(os.path.join(folder, "*.icd"))):
             try:

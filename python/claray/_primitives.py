@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Literal
+from typing import Any, Callable, Literal, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -160,7 +160,8 @@ class Primitives(Handle):
             moved = _control_points(points, radii)
             if len(moved) != len(controls):
                 raise UsageError(f"points: has {len(moved)} rows, and the curves have {len(controls)}")
-            return _native.curve_data(moved, first, basis == "bezier")
+            data: Any = _native.curve_data(moved, first, basis == "bezier")
+            return cast("NDArray[np.float32]", data)
 
         return cls._built_in(shape, device, builder, pack, points, radii)
 
@@ -181,12 +182,12 @@ class Primitives(Handle):
 
     @property
     def count(self) -> int:
-        return self._native.count()
+        return int(self._native.count())
 
     @property
     def culled(self) -> int:
         """The number of primitives that were left out because their box is not finite."""
-        return self._native.culled()
+        return int(self._native.culled())
 
     @property
     def device(self) -> Device:
@@ -202,7 +203,8 @@ def _segments_of_curves(points: NDArray[Any], step: int) -> NDArray[np.uint32]:
         needed = "4, 7, 10, ..." if step == 3 else "at least 4"
         raise UsageError(f"points: has shape {points.shape}; without segments it must be (C, K, 3), K {needed}")
     curves, controls = points.shape[:2]
-    return (np.arange(curves)[:, None] * controls + np.arange(0, controls - 3, step)).ravel().astype(np.uint32)
+    first: NDArray[Any] = np.arange(curves)[:, None] * controls + np.arange(0, controls - 3, step)
+    return first.ravel().astype(np.uint32)
 
 
 def _control_points(points: ArrayLike, radii: ArrayLike) -> NDArray[np.float32]:

@@ -6,13 +6,12 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from trimesh import Trimesh, caching
-from trimesh.ray.ray_util import contains_points
+from trimesh import Trimesh
 
 from .._arrays import flag, floats, integer
 from .._device import AnyDevice
 from ..errors import UsageError
-from ._structure import Structure
+from ._structure import Structure, library
 
 
 class RayMeshIntersector:
@@ -28,11 +27,15 @@ class RayMeshIntersector:
         if not isinstance(self.mesh, Trimesh):
             raise UsageError(f"mesh: is a {type(self.mesh).__name__}; use a trimesh.Trimesh")
         self._scale_to_box, self._device = scale_to_box, device
-        self._cache = caching.Cache(id_function=self.mesh.__hash__)
+        self._cache = library.caching.Cache(id_function=self.mesh.__hash__)
 
-    @caching.cache_decorator
+    @property
     def _structure(self) -> Structure | None:
-        return None if len(self.mesh.faces) == 0 else Structure(self.mesh, self._device)
+        """None for a mesh without triangles."""
+        if "structure" not in self._cache:  # nor is it where the mesh has changed
+            self._cache["structure"] = None if len(self.mesh.faces) == 0 else Structure(self.mesh, self._device)
+        structure: Structure | None = self._cache["structure"]
+        return structure
 
     def intersects_id(self, ray_origins: ArrayLike, ray_directions: ArrayLike, multiple_hits: bool = True,
                       max_hits: int = 100, return_locations: bool = False, **_: Any) -> tuple[NDArray[Any], ...]:
@@ -62,33 +65,33 @@ class RayMeshIntersector:
     def intersects_first(self, ray_origins: ArrayLike, ray_directions: ArrayLike, **_: Any) -> NDArray[np.int64]:
         """The index of the first triangle that each ray hits, or -1: (n,)."""
         origins, directions = _rays(ray_origins, ray_directions)
-        if self._structure is None:
-            return np.full(len(origins), -1, np.int64)
-        return self._structure.first(origins, directions)
+        structure = self._structure
+        return np.full(len(origins), -1, np.int64) if structure is None else structure.first(origins, directions)
 
     def intersects_any(self, ray_origins: ArrayLike, ray_directions: ArrayLike, **_: Any) -> NDArray[np.bool_]:
         """Whether each ray hits the mesh: (n,)."""
         origins, directions = _rays(ray_origins, ray_directions)
-        if self._structure is None:
-            return np.zeros(len(origins), bool)
-        return self._structure.any(origins, directions)
+        structure = self._structure
+        return np.zeros(len(origins), np.bool_) if structure is None else structure.any(origins, directions)
 
     def contains_points(self, points: ArrayLike) -> NDArray[np.bool_]:
         """Whether each point of (n, 3) is inside the mesh, by the parity of hits. Of a mesh that is not watertight, rays of
         several directions vote, as in trimesh."""
         structure = self._structure
         if structure is None or not self.mesh.is_watertight:
-            return contains_points(self, points)
+            voted: NDArray[np.bool_] = library.ray.ray_util.contains_points(self, points)
+            return voted
         return structure.inside(finite_rows("points", points))
 
     def nearest(self, points: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
         """The nearest point of the surface for each point: see claray.trimesh.proximity.closest_point."""
         given = finite_rows("points", points)
-        if self._structure is None:
+        structure = self._structure
+        if structure is None:
             raise UsageError("mesh: has no triangles, so that no point of it is nearest")
         if len(given) == 0:
             return np.zeros((0, 3)), np.zeros(0), np.zeros(0, np.int64)
-        return self._structure.nearest(given)
+        return structure.nearest(given)
 
     def _locations(self, origins: NDArray[Any], directions: NDArray[Any], triangles: NDArray[np.int64]) -> NDArray[np.float64]:
         """The points of rays in the planes of triangles, in float64."""
@@ -97,7 +100,8 @@ class RayMeshIntersector:
         along = np.einsum("ij,ij->i", normals, directions)
         to_plane = np.einsum("ij,ij->i", normals, corners[:, 0] - origins)
         distances = np.divide(to_plane, along, out=np.zeros_like(along), where=along != 0)
-        return origins + distances[:, None] * directions
+        places: NDArray[np.float64] = origins + distances[:, None] * directions
+        return places
 
     def __getstate__(self) -> dict[str, Any]:
         return {key: value for key, value in self.__dict__.items() if key not in ("_cache", "_device")}
@@ -105,7 +109,7 @@ class RayMeshIntersector:
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         self._device = None
-        self._cache = caching.Cache(id_function=self.mesh.__hash__)
+        self._cache = library.caching.Cache(id_function=self.mesh.__hash__)
 
     def __copy__(self, *_: Any) -> RayMeshIntersector:
         return RayMeshIntersector(self.mesh, self._scale_to_box, device=self._device)

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
-from typing import Any, Iterator
+from typing import Any, Iterator, cast
 
 import numpy as np
+import trimesh
 from numpy.typing import NDArray
-from trimesh.constants import tol
-from trimesh.triangles import closest_point, normals
-from trimesh.util import diagonal_dot
 
 from .. import _native
 from .._arrays import MISS, finite
@@ -20,6 +18,10 @@ from .._lists import all_hits, sphere_overlaps
 from .._points import inside, nearest_point
 from .._query import any_hit, closest_hit
 
+library: Any = trimesh
+"""trimesh, most of whose functions have no types."""
+TOLERANCE: float = library.tol.merge
+"""Up to where trimesh takes places as one."""
 _BACK = 8
 """By how many roundings of vertices and origins rays begin before their origins."""
 _NEAR = 2.0**-20
@@ -44,14 +46,17 @@ class Structure:
 
     def first(self, origins: NDArray[Any], directions: NDArray[Any]) -> NDArray[np.int64]:
         found = [part.first(origins, directions) for part in self.parts]
-        triangles, distances = (np.stack(arrays) for arrays in zip(*found))
-        return triangles[distances.argmin(axis=0), np.arange(len(origins))]
+        triangles, distances = np.stack([t for t, _ in found]), np.stack([d for _, d in found])
+        best: NDArray[np.int64] = triangles[distances.argmin(axis=0), np.arange(len(origins))]
+        return best
 
     def any(self, origins: NDArray[Any], directions: NDArray[Any]) -> NDArray[np.bool_]:
-        return np.logical_or.reduce([part.any(origins, directions) for part in self.parts])
+        found: NDArray[np.bool_] = np.stack([part.any(origins, directions) for part in self.parts])
+        return cast("NDArray[np.bool_]", found.any(axis=0))
 
     def inside(self, points: NDArray[Any]) -> NDArray[np.bool_]:
-        return np.logical_xor.reduce([inside(part.bvh, part.in_frame(points)) for part in self.parts])
+        crossed: NDArray[np.bool_] = np.stack([inside(part.bvh, part.in_frame(points)) for part in self.parts])
+        return cast("NDArray[np.bool_]", crossed.sum(axis=0) % 2 == 1)
 
     def nearest(self, points: NDArray[Any]) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
         """The nearest points of the surface, their distances, and triangles."""
@@ -101,14 +106,15 @@ class _Part:
     @cached_property
     def _normals(self) -> NDArray[np.float64]:
         """Of unit length, or 0 for triangles of no area: (T, 3)."""
-        directions, usable = normals(self._corners)
+        directions, usable = library.triangles.normals(self._corners)
         result = np.zeros((len(usable), 3))
         result[usable] = directions
         return result
 
     def in_frame(self, points: NDArray[Any]) -> NDArray[np.float64]:
-        moved = np.subtract(points, self.centre, dtype=np.float64)
-        return np.multiply(moved, self.scale, out=moved)
+        moved: NDArray[np.float64] = np.subtract(points, self.centre, dtype=np.float64)
+        moved *= self.scale
+        return moved
 
     def start(self, origins: NDArray[Any], directions: NDArray[Any]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Origins in the frame, a little back along their rays: a surface on which a ray begins is hit. And how far."""
@@ -184,12 +190,18 @@ class _Part:
         lists = sphere_overlaps(self.bvh, spheres[:, :3], spheres[:, 3])
         points, triangles, first = lists.queries, lists.elements, lists.offsets[:-1].astype(np.int64)
         away = places[points] - closest_point(self._corners[triangles], places[points])
-        squares = diagonal_dot(away, away)
+        squares = np.einsum("ij,ij->i", away, away)
         least = np.minimum.reduceat(squares, first)
-        near = np.maximum(tol.merge * np.minimum(least, self.scale**2), _EQUAL * (least + np.sqrt(least)))
-        cosines = diagonal_dot(away, self._normals[triangles]) / np.sqrt(np.where(squares > 0, squares, 1))
-        facing = np.where(squares <= (least + near)[points], np.round(cosines / tol.merge), -np.inf)
+        near = np.maximum(TOLERANCE * np.minimum(least, self.scale**2), _EQUAL * (least + np.sqrt(least)))
+        cosines = np.einsum("ij,ij->i", away, self._normals[triangles]) / np.sqrt(np.where(squares > 0, squares, 1))
+        facing = np.where(squares <= (least + near)[points], np.round(cosines / TOLERANCE), -np.inf)
         return triangles[np.lexsort((squares, -facing, points))[first]].astype(np.int64)
+
+
+def closest_point(corners: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The nearest point of each triangle (N, 3, 3) to the point (N, 3) of its row."""
+    nearest: NDArray[np.float64] = library.triangles.closest_point(corners, points)
+    return nearest
 
 
 def _one_for_each_place(rays: NDArray[Any], distances: NDArray[Any], crosses: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -201,7 +213,8 @@ def _one_for_each_place(rays: NDArray[Any], distances: NDArray[Any], crosses: ND
     begins[1:] = (rays[1:] != rays[:-1]) | (distances[1:] - distances[:-1] > _NEAR * distances[1:])
     places = np.cumsum(begins) - 1
     crossed = np.logical_or.reduceat(crosses, np.flatnonzero(begins))
-    return crosses | (begins & ~crossed[places])
+    counted: NDArray[np.bool_] = crosses | (begins & ~crossed[places])
+    return counted
 
 
 def _parts_of(low: NDArray[np.float64], high: NDArray[np.float64]) -> list[NDArray[np.int64]]:

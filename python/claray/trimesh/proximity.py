@@ -8,14 +8,12 @@ import numpy as np
 import trimesh.proximity
 from numpy.typing import ArrayLike, NDArray
 from trimesh import Trimesh
-from trimesh.constants import tol
-from trimesh.triangles import points_to_barycentric
-from trimesh.util import diagonal_dot
 
 from .._arrays import check_choice, flag, integer, number
 from .._device import AnyDevice
 from ..errors import UsageError
 from ._ray import RayMeshIntersector, finite_rows, pair
+from ._structure import TOLERANCE, library
 
 __all__ = ["ProximityQuery", "closest_point", "longest_ray", "max_tangent_sphere", "signed_distance", "thickness"]
 
@@ -45,7 +43,7 @@ class ProximityQuery(trimesh.proximity.ProximityQuery):
     """Nearest points of a trimesh.Trimesh. device: as of claray.Bvh; None: that of mesh.ray, if it is claray's."""
 
     def __init__(self, mesh: Trimesh, *, device: AnyDevice = None) -> None:
-        super().__init__(mesh)
+        super().__init__(mesh)  # type: ignore[no-untyped-call]
         self._engine = _engine_of(mesh) if device is None else RayMeshIntersector(mesh, device=device)
 
     def on_surface(self, points: ArrayLike) -> Nearest:
@@ -63,7 +61,8 @@ def longest_ray(mesh: Trimesh, points: ArrayLike, directions: ArrayLike) -> NDAr
     Hits nearer than 1e-5 do not count.
     """
     view = _View(mesh)
-    return _longest_ray(view, *pair("points", points, "directions", directions))
+    lengths: NDArray[np.float64] = library.proximity.longest_ray(view, *pair("points", points, "directions", directions))
+    return lengths
 
 
 def max_tangent_sphere(mesh: Trimesh, points: ArrayLike, inwards: bool = True, normals: ArrayLike | None = None,
@@ -76,7 +75,9 @@ def max_tangent_sphere(mesh: Trimesh, points: ArrayLike, inwards: bool = True, n
     """
     view, inside = _View(mesh), flag("inwards", inwards)
     places, towards = view.with_normals(points, normals)
-    return _max_tangent_sphere(view, places, inside, towards, number("threshold", threshold), integer("max_iter", max_iter, 0, 2**31 - 1))
+    centers, radii = library.proximity.max_tangent_sphere(view, places, inside, towards, number("threshold", threshold),
+                                                          integer("max_iter", max_iter, 0, 2**31 - 1))
+    return centers, radii
 
 
 def thickness(mesh: Trimesh, points: ArrayLike, exterior: bool = False, normals: ArrayLike | None = None,
@@ -89,11 +90,10 @@ def thickness(mesh: Trimesh, points: ArrayLike, exterior: bool = False, normals:
     check_choice("method", method, ("max_sphere", "ray"))
     view, outside = _View(mesh), flag("exterior", exterior)
     places, towards = view.with_normals(points, normals)
-    return _thickness(view, places, outside, towards, method)
+    diameters: NDArray[np.float64] = library.proximity.thickness(view, places, outside, towards, method)
+    return diameters
 
 
-_longest_ray, _thickness = trimesh.proximity.longest_ray, trimesh.proximity.thickness
-_max_tangent_sphere = trimesh.proximity.max_tangent_sphere
 
 
 class _View:
@@ -119,18 +119,19 @@ def _engine_of(mesh: Trimesh) -> RayMeshIntersector:
         raise UsageError(f"mesh: is a {type(mesh).__name__}; use a trimesh.Trimesh")
     if isinstance(mesh.ray, RayMeshIntersector):
         return mesh.ray
-    return vars(mesh).setdefault("_claray_engine", RayMeshIntersector(mesh))
+    engine: RayMeshIntersector = vars(mesh).setdefault("_claray_engine", RayMeshIntersector(mesh))
+    return engine
 
 
 def _signed_distance(engine: RayMeshIntersector, points: ArrayLike) -> NDArray[np.float64]:
     given = finite_rows("points", points).astype(np.float64)
     closest, distances, triangles = engine.nearest(given)
-    away = np.flatnonzero(distances > tol.merge * min(1, engine.mesh.scale))
+    away = np.flatnonzero(distances > TOLERANCE * min(1, engine.mesh.scale))
     normals, places, triangles = engine.mesh.face_normals[triangles[away]], given[away], triangles[away]
-    above = diagonal_dot(places - closest[away], normals)
+    above = np.einsum("ij,ij->i", places - closest[away], normals)
     with np.errstate(divide="ignore", invalid="ignore"):  # triangles of no area
-        weights = points_to_barycentric(engine.mesh.triangles[triangles], places - above[:, None] * normals)
-    faces = ((weights >= -tol.merge) & (weights <= 1 + tol.merge)).all(axis=1)
+        weights = library.triangles.points_to_barycentric(engine.mesh.triangles[triangles], places - above[:, None] * normals)
+    faces = ((weights >= -TOLERANCE) & (weights <= 1 + TOLERANCE)).all(axis=1)
     outside = above > 0
     outside[~faces] = ~engine.contains_points(places[~faces])
     distances[away[outside]] *= -1
