@@ -73,10 +73,11 @@ void Renderer::State::discard_samples() {
 void Renderer::State::warm_up() {
     const Batch few{0, std::min(pixels(), 64u), 0, 1, 0};
     Film scratch(device, few.pixels);
+    const RayTotals::Counts counts = wavefront.totals.counts();
     wavefront.trace(few);
     scratch.accumulate(few, wavefront.queues.radiance);
     (void)scratch.noise();
-    wavefront.totals.reset();
+    wavefront.totals.restore(counts);
 }
 
 /// Until the first of both limits is reached; infinite without one.

@@ -105,7 +105,10 @@ TEST(WholePaths, AreCompiledBeforehandIfAsked) {
         (void)renderer.render_for(0);
         if (asks) renderer.load_kernels();
         (void)renderer.render();
-        EXPECT_EQ(renderer.statistics().in_paths.rays > 0, asks);
+        const RenderStatistics statistics = renderer.statistics();
+        EXPECT_EQ(statistics.in_paths.rays > 0, asks);
+        const RenderConfig config = small_config();
+        EXPECT_EQ(statistics.camera.rays, std::uint64_t(config.width) * config.height * config.spp);
     }
 }
 

@@ -24,6 +24,17 @@ struct RayTotals {
         camera = camera_in_paths = 0;
         of_stages.fill(0), of_paths.fill(0);
     }
+    /// What was counted so far. Blocks.
+    struct Counts {
+        std::uint64_t camera, camera_in_paths;
+        std::vector<std::uint64_t> of_stages, of_paths;
+    };
+    [[nodiscard]] Counts counts() const { return {camera, camera_in_paths, of_stages.read(), of_paths.read()}; }
+    /// Forgets what was counted since `counts`.
+    void restore(const Counts& counts) {
+        camera = counts.camera, camera_in_paths = counts.camera_in_paths;
+        of_stages.write(std::span(counts.of_stages)), of_paths.write(std::span(counts.of_paths));
+    }
     [[nodiscard]] std::uint64_t bytes() const { return buffer_bytes(of_stages, of_paths); }
 
     std::uint64_t camera = 0, camera_in_paths = 0;
