@@ -187,7 +187,7 @@ class Scene(Handle):
         tints = np.empty((0, 3), np.float32)
         if colors is not None:
             given = as_array("colors", colors)
-            if given.ndim < 2:
+            if given.shape in ((), (1,), (3,)):
                 given = np.broadcast_to(given, (count, 3))
             if given.shape not in ((count, 3), (count, 2, 3)):
                 raise UsageError(f"colors: has shape {given.shape}; it must be (3,), ({count}, 3) or ({count}, 2, 3)")
