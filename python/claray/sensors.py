@@ -65,6 +65,9 @@ class Pattern:
     """
 
     __slots__ = ("_beams", "_rows", "_columns")
+    _beams: NDArray[np.float32]
+    _rows: int
+    _columns: int
 
     def __init__(self, directions: ArrayLike, times: ArrayLike = 0.0) -> None:
         given = as_array("directions", directions)
@@ -358,6 +361,9 @@ class Scan:
     """The returns of a scan, on the device until they are read."""
 
     __slots__ = ("_native", "_pattern", "_shape", "_read")
+    _native: Any
+    _pattern: Pattern
+    _shape: tuple[int, ...]
     _read: NDArray[Any] | None
 
     def __init__(self) -> None:
@@ -402,7 +408,8 @@ class Scan:
     @property
     def depth(self) -> NDArray[np.float32]:
         """The range along the camera's axis z, in the scan's shape; NaN without a return."""
-        return self.returns["range"] * self._pattern.directions[..., 2:]
+        depth: NDArray[np.float32] = self.returns["range"] * self._pattern.directions[..., 2:]
+        return depth
 
     def point_cloud2(self, fields: Sequence[str] = ("x", "y", "z", "intensity", "ring", "time"), *, organized: bool = False) -> PointCloud2:
         """The returns in the layout of ROS 2.

@@ -29,16 +29,18 @@ struct PyWorld {
     Kept<SensorWorld> world;
 };
 
+using Returns = Kept<Buffer<SensorReturn>>;
+
 struct PySensor {
     PyDevice device;
     Kept<Sensor> sensor;
-    std::shared_ptr<Buffer<SensorReturn>> last = {};  // is used again once no scan has it
+    std::shared_ptr<Returns> last = {};  // is used again once no scan has it
 };
 
 /// The returns of a scan, on the device.
 struct PyScan {
     PyDevice device;
-    std::shared_ptr<Buffer<SensorReturn>> returns;
+    std::shared_ptr<Returns> returns;
     std::size_t size;
 };
 
@@ -88,7 +90,7 @@ PyScan scan(PySensor& self, const PyWorld& world, const Poses& begins, const Pos
         const std::vector<SensorPose> poses = poses_of(begins, ends);
         const std::size_t size = self.sensor.size(poses.size());
         if (self.last.use_count() != 1 || self.last->size() < size)
-            self.last = std::make_shared<Buffer<SensorReturn>>(self.device.device, size);
+            self.last = std::make_shared<Returns>(Buffer<SensorReturn>(self.device.device, size));
         self.sensor.scan(world.world, poses, number, *self.last);
         return PyScan{self.device, self.last, size};
     });
