@@ -10,6 +10,7 @@
 import argparse
 
 import numpy as np
+from numpy.typing import NDArray
 from scenes.town import MATERIALS, NUMBER, PITCH, REFLECTANCE, STREET, Town
 
 import claray
@@ -50,15 +51,22 @@ camera = sensors.Sensor(world, eye, farthest=1000)
 duration = 0.1
 
 
-def car_at(seconds):
+def car_at(seconds: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     here = np.array([options.blocks // 2 * PITCH - STREET / 2 + 2.6, 0.36 * town.extent + 10 * seconds, 1.9])
     return sensors.look_at(here, here + (0, 1, 0)), sensors.look_at(here, here + (0, 1, 0), optical=True)
 
 
-for number in range(options.scans):
+def turn(number: int) -> sensors.Scan:
     now, then = duration * number, duration * (number + 1)
     world.move(*town.motion(now, duration))
-    scan = lidar.scan(car_at(now)[0], car_at(then)[0], number=number)
+    return lidar.scan(car_at(now)[0], car_at(then)[0], number=number)
+
+
+last = options.scans - 1
+for number in range(last):
+    turn(number)
+scan = turn(last)
+now, then = duration * last, duration * (last + 1)
 returns = scan.returns[scan.valid]
 echoes = radar.scan(car_at(now)[0], car_at(then)[0]).returns
 moving = np.isin(returns["instance"], town.movers)
@@ -83,10 +91,10 @@ shade = 0.35 + 0.65 * np.abs(image["normal"] @ np.array([0.5, 0.6, -0.62]))
 shown = np.where(there[..., None], shade[..., None] * colours[np.where(there, image["material"], len(MATERIALS))], colours[-1])
 
 dots = np.zeros((height, width, 3))
-at = (returns["point"] - view[:3, 3]) @ view[:3, :3]
+at: NDArray[np.float64] = (returns["point"] - view[:3, 3]) @ view[:3, :3]
 ahead = at[:, 2] > 0.5
 focal = height / 2 / np.tan(np.radians(29))
-x, y = (np.round(focal * at[ahead, i] / at[ahead, 2] + size / 2 - 0.5).astype(int) for i, size in ((0, width), (1, height)))
+x, y = np.round(focal * at[ahead, :2] / at[ahead, 2:] + [width / 2 - 0.5, height / 2 - 0.5]).astype(int).T
 inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
 kept = returns[ahead][inside]
 bright = np.clip(0.15 + 0.5 * np.sqrt(kept["intensity"] * (kept["range"] / 10) ** 2), 0, 1)

@@ -7,7 +7,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 import claray
 
@@ -26,29 +29,32 @@ MATERIALS = [
 NUMBER = {name: i for i, (name, _, _) in enumerate(MATERIALS)}
 REFLECTANCE = np.array([value for _, _, value in MATERIALS])
 
+Floats = NDArray[np.float64]
+Vector = Sequence[float] | Floats  # (3,)
+
 
 class Shape:
     """Triangles by material, which grow by parts."""
 
     def __init__(self) -> None:
-        self.parts: dict[str, list[np.ndarray]] = {}
+        self.parts: dict[str, list[Floats]] = {}
 
-    def add(self, material: str, corners: np.ndarray) -> None:
+    def add(self, material: str, corners: ArrayLike) -> None:
         """corners: (T, 3, 3)."""
         self.parts.setdefault(material, []).append(np.asarray(corners, np.float64).reshape(-1, 3, 3))
 
-    def quads(self, material: str, a, b, c, d) -> None:
+    def quads(self, material: str, a: ArrayLike, b: ArrayLike, c: ArrayLike, d: ArrayLike) -> None:
         """Quadrilaterals a b c d, counter-clockwise seen from outside; (..., 3) each."""
         a, b, c, d = (np.broadcast_to(p, np.broadcast_shapes(*map(np.shape, (a, b, c, d)))).reshape(-1, 3) for p in (a, b, c, d))
         self.add(material, np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)]))
 
-    def box(self, material: str, low, high) -> None:
+    def box(self, material: str, low: Vector, high: Vector) -> None:
         x, y, z = np.array([low, high], np.float64).T
         p = np.array([[x[i & 1], y[i >> 1 & 1], z[i >> 2]] for i in range(8)])
         for face in ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)):
             self.quads(material, *p[list(face)])
 
-    def ball(self, material: str, center, radii, rows: int = 6, columns: int = 10, roughness: float = 0.0,
+    def ball(self, material: str, center: Vector, radii: Vector, rows: int = 6, columns: int = 10, roughness: float = 0.0,
              random: np.random.Generator | None = None) -> None:
         theta, phi = np.linspace(0, np.pi, rows + 1)[:, None], np.linspace(0, 2 * np.pi, columns + 1)[None]
         size = np.ones((rows + 1, columns + 1))
@@ -61,7 +67,7 @@ class Shape:
         self.add(material, np.stack([p[:-2, 1:], p[1:-1, :-1], p[1:-1, 1:]], 2))
         self.add(material, np.stack([p[1:-1, 1:], p[2:, :-1], p[2:, 1:]], 2)[:-1])
 
-    def cylinder(self, material: str, start, end, radius: float, sides: int = 10) -> None:
+    def cylinder(self, material: str, start: Vector, end: Vector, radius: float, sides: int = 10) -> None:
         start, end = np.asarray(start, np.float64), np.asarray(end, np.float64)
         along = (end - start) / np.linalg.norm(end - start)
         across = np.cross(along, (0, 0, 1) if abs(along[2]) < 0.9 else (1, 0, 0))
@@ -72,7 +78,7 @@ class Shape:
         for center, first, second in ((end, ring[:-1], ring[1:]), (start, ring[1:], ring[:-1])):
             self.add(material, np.stack(np.broadcast_arrays(center, center + first, center + second), 1))
 
-    def moved(self, offset, turn: float = 0.0) -> Shape:
+    def moved(self, offset: Vector, turn: float = 0.0) -> Shape:
         rotation = np.array([[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
         shape = Shape()
         for material, parts in self.parts.items():
@@ -83,22 +89,24 @@ class Shape:
         for material, parts in other.parts.items():
             self.parts.setdefault(material, []).extend(parts)
 
-    def arrays(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def arrays(self) -> tuple[Floats, NDArray[np.uint32], NDArray[np.uint32]]:
         """Vertices (3 T, 3), triangles (T, 3) and their materials (T,)."""
         corners = np.concatenate([part for parts in self.parts.values() for part in parts])
         materials = np.concatenate([np.full(len(part), NUMBER[name], np.uint32) for name, parts in self.parts.items() for part in parts])
         return corners.reshape(-1, 3), np.arange(3 * len(corners), dtype=np.uint32).reshape(-1, 3), materials
 
 
-def wall(shape: Shape, material: str, origin, along, width: float, floors: int, columns: int, storey: float = 3.2) -> None:
+def wall(shape: Shape, material: str, origin: Floats, along: Floats, width: float, floors: int, columns: int,
+         storey: float = 3.2) -> None:
     """A wall of cells, each with a window in a recess. `along` is a unit vector; outside is to its right."""
-    along, up = np.asarray(along, np.float64), np.array([0.0, 0.0, 1.0])
+    up = np.array([0.0, 0.0, 1.0])
     inwards = np.cross(up, along)
     u, v = np.meshgrid(np.arange(columns), np.arange(floors), indexing="ij")
     cell = width / columns
 
-    def at(x, z, depth=0.0):
-        return origin + ((u + x) * cell)[..., None] * along + ((v + z) * storey)[..., None] * up + depth * inwards
+    def at(x: float, z: float, depth: float = 0.0) -> Floats:
+        points: Floats = origin + ((u + x) * cell)[..., None] * along + ((v + z) * storey)[..., None] * up + depth * inwards
+        return points
 
     xs, zs = (0.0, 0.25, 0.75, 1.0), (0.0, 0.3, 0.85, 1.0)
     outer = [at(0, 0), at(1, 0), at(1, 1), at(0, 1)]
@@ -114,11 +122,11 @@ def wall(shape: Shape, material: str, origin, along, width: float, floors: int, 
 def house(random: np.random.Generator, width: float, depth: float) -> Shape:
     """With its lowest corner at the origin."""
     shape, floors = Shape(), int(random.integers(2, 7))
-    material = random.choice(["plaster", "brick", "concrete"])
+    material = str(random.choice(["plaster", "brick", "concrete"]))
     height = 3.2 * floors
     corners = np.array([[0, 0, 0], [width, 0, 0], [width, depth, 0], [0, depth, 0]], np.float64)
     for i in range(4):
-        side = corners[(i + 1) % 4] - corners[i]
+        side: Floats = corners[(i + 1) % 4] - corners[i]
         length = float(np.linalg.norm(side))
         wall(shape, material, corners[i], side / length, length, floors, max(1, round(length / 2.7)))
     top = corners + [0, 0, height]
@@ -234,13 +242,13 @@ class Town:
             shape.box("concrete", (x - 0.2, 0.1, 6.4), (x + 0.2, 1.1, 6.5))
         return shape
 
-    def motion(self, seconds: float, duration: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+    def motion(self, seconds: float, duration: float = 0.0) -> tuple[Floats, Floats]:
         """Where cars and people are at a time and `duration` later: (N, 3, 4) each, from their coordinates to those of the
         town. Who reaches the end of its street begins again, but never between the two."""
         along = (self._start + self._speed * seconds) % self.extent
         return self._placed(along), self._placed(along + self._speed * duration)
 
-    def _placed(self, along: np.ndarray) -> np.ndarray:
+    def _placed(self, along: Floats) -> Floats:
         place = np.where(self._sign > 0, along, self.extent - along)
         cosine, sine = np.where(self._axis == 0, self._sign, 0), np.where(self._axis == 1, self._sign, 0)
         rows = np.zeros((len(along), 3, 4))
@@ -262,5 +270,5 @@ class Town:
         return scene
 
     @property
-    def movers(self) -> np.ndarray:
+    def movers(self) -> NDArray[np.uint32]:
         return np.arange(1, 1 + len(self.which), dtype=np.uint32)
