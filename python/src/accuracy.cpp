@@ -9,6 +9,7 @@
 #include "handles.hpp"
 #include "host/accuracy/plot.hpp"
 #include "host/accuracy/study_list.hpp"
+#include "typed.hpp"
 
 namespace claray::python {
 namespace {
@@ -43,7 +44,7 @@ Study run(const PyDevice& device, const Scene& scene, const std::string& name, c
     return study;
 }
 
-nb::dict as_dict(const StudyPoint& p) {
+Dict as_dict(const StudyPoint& p) {
     const auto spread = [](const Spread& s) { return nb::make_tuple(s.low, s.median, s.high); };
     nb::dict dict;
     dict["method"] = p.method;
@@ -82,7 +83,7 @@ void bind_accuracy(nb::module_& module) {
         .def_ro("floor", &Study::floor)
         .def_ro("findings", &Study::findings)
         .def("points",
-             [](const Study& study) {
+             [](const Study& study) -> List {
                  nb::list points;
                  for (const StudyPoint& point : study.points) points.append(as_dict(point));
                  return points;

@@ -80,13 +80,13 @@ void move_vertices(PyBvh& self, const Vertices& vertices, bool rebuild) {
     });
 }
 
-nb::dict statistics(const PyBvh& self) {
+Dict statistics(const PyBvh& self) {
     return tree_statistics(without_gil(self.device, [&] { return self.bvh.statistics(); }));
 }
 
 }  // namespace
 
-nb::dict tree_statistics(const BvhStatistics& s) {
+Dict tree_statistics(const BvhStatistics& s) {
     nb::dict dict;
     dict["triangles"] = s.triangles;
     dict["culled"] = s.culled;
@@ -116,12 +116,18 @@ void bind_bvh(nb::module_& module) {
         .def_static("build", &build)
         .def_static("build_of_scene", &build_of_scene)
         .def_static("build_of_mesh", &build_of_mesh)
-        .def_static("load",
-                    [](const PyDevice& device, const std::filesystem::path& path) {
-                        return without_gil(device, [&] { return PyBvh{device, Bvh::load(device.device, path)}; });
-                    })
-        .def("save", [](const PyBvh& self,
-                        const std::filesystem::path& path) { without_gil(self.device, [&] { self.bvh.save(path); }); })
+        .def_static(
+            "load",
+            [](const PyDevice& device, const std::filesystem::path& path) {
+                return without_gil(device, [&] { return PyBvh{device, Bvh::load(device.device, path)}; });
+            },
+            nb::sig("def load(device: NativeDevice, path: str | os.PathLike[str], /) -> NativeBvh"))
+        .def(
+            "save",
+            [](const PyBvh& self, const std::filesystem::path& path) {
+                without_gil(self.device, [&] { self.bvh.save(path); });
+            },
+            nb::sig("def save(self, path: str | os.PathLike[str], /) -> None"))
         .def("move_vertices", &move_vertices)
         .def("cost_growth",
              [](const PyBvh& self) { return without_gil(self.device, [&] { return self.bvh.cost_growth(); }); })

@@ -6,6 +6,7 @@
 
 #include "claray/program/compiling.hpp"
 #include "handles.hpp"
+#include "typed.hpp"
 
 namespace claray::python {
 namespace {
@@ -25,7 +26,7 @@ void wait(const PyEvent& event) try {
                 "the commands of the event failed (OpenCL error " + std::to_string(error.err()) + ")");
 }
 
-nb::dict as_dict(const DeviceInfo& info) {
+Dict as_dict(const DeviceInfo& info) {
     nb::dict dict;
     dict["index"] = info.index;
     dict["name"] = info.name;
@@ -44,7 +45,7 @@ nb::dict as_dict(const DeviceInfo& info) {
 
 void bind_device(nb::module_& module) {
     module.def("is_forked", &is_forked);
-    module.def("list_devices", [] {
+    module.def("list_devices", []() -> List {
         nb::list list;
         for (const DeviceInfo& info : list_devices()) list.append(as_dict(info));
         return list;

@@ -95,7 +95,7 @@ std::vector<Instance> instances_of(const Level& level) {
 }
 
 /// Transforms, bottoms and masks of the flat instances, and the lists of steps.
-nb::tuple flatten_levels(const Level& roots, const std::vector<Level>& groups, std::uint32_t bottoms) {
+Tuple flatten_levels(const Level& roots, const std::vector<Level>& groups, std::uint32_t bottoms) {
     std::vector<InstanceGroup> all;
     for (const Level& group : groups) all.push_back({instances_of(group)});
     FlatInstances flat = flatten(instances_of(roots), all, bottoms);
@@ -114,7 +114,7 @@ nb::tuple flatten_levels(const Level& roots, const std::vector<Level>& groups, s
                           array_of<std::uint32_t>(std::move(flat.steps), {steps}));
 }
 
-nb::dict statistics(const PyInstancedBvh& self) {
+Dict statistics(const PyInstancedBvh& self) {
     const InstanceStatistics s = without_gil(self.device, [&] { return self.current->bvh.statistics(); });
     nb::dict dict;
     dict["instances"] = s.instances;

@@ -58,14 +58,14 @@ void nearest(const PyBvh& self, const PackedRays& rays, std::uint32_t most, bool
 
 /// Offsets, and elements of `columns` numbers.
 template <class Number, class Element>
-nb::tuple as_tuple(HostLists<Element>&& lists, std::vector<std::size_t> columns) {
+Tuple as_tuple(HostLists<Element>&& lists, std::vector<std::size_t> columns) {
     columns.insert(columns.begin(), lists.elements.size());
     const std::size_t offsets = lists.offsets.size();
     return nb::make_tuple(array_of<std::uint32_t>(std::move(lists.offsets), {offsets}),
                           array_of<Number>(std::move(lists.elements), columns));
 }
 
-nb::tuple all(const PyBvh& self, const PackedRays& rays, bool cull_back_faces, bool closed, const Words& masks,
+Tuple all(const PyBvh& self, const PackedRays& rays, bool cull_back_faces, bool closed, const Words& masks,
               const PyFilter& filter) {
     HostLists<Hit> lists = without_gil(self.device, [&] {
         return all_hits(self.bvh, span_of<Ray>(rays, 8),
@@ -74,13 +74,13 @@ nb::tuple all(const PyBvh& self, const PackedRays& rays, bool cull_back_faces, b
     return as_tuple<std::uint8_t>(std::move(lists), {sizeof(Hit)});
 }
 
-nb::tuple boxes(const PyBvh& self, const Input<float, nb::shape<-1, 6>>& given) {
+Tuple boxes(const PyBvh& self, const Input<float, nb::shape<-1, 6>>& given) {
     HostLists<std::uint32_t> lists =
         without_gil(self.device, [&] { return box_overlaps(self.bvh, span_of<Bounds>(given, 6)); });
     return as_tuple<std::uint32_t>(std::move(lists), {});
 }
 
-nb::tuple spheres(const PyBvh& self, const Input<float, nb::shape<-1, 4>>& given) {
+Tuple spheres(const PyBvh& self, const Input<float, nb::shape<-1, 4>>& given) {
     HostLists<std::uint32_t> lists =
         without_gil(self.device, [&] { return sphere_overlaps(self.bvh, span_of<Sphere>(given, 4)); });
     return as_tuple<std::uint32_t>(std::move(lists), {});

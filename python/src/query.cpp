@@ -203,12 +203,23 @@ PyEvent run_buffers(PyQuery& self, std::uintptr_t rays, std::uintptr_t results, 
 }  // namespace
 
 void bind_query(nb::module_& module) {
-    module.def("pack_rays", &pack);
+    // nanobind leaves the type of numbers out where an array may have several.
+    module.def(
+        "pack_rays", &pack,
+        nb::sig(
+            "def pack_rays(origins: numpy.typing.NDArray[typing.Any], directions: numpy.typing.NDArray[typing.Any], "
+            "tmin: numpy.typing.NDArray[typing.Any], tmax: numpy.typing.NDArray[typing.Any], "
+            "out: numpy.typing.NDArray[numpy.float32], /) -> int"));
     nb::class_<PyQuery>(module, "NativeQuery")
         .def_static("make", &make_query<PyBvh>)
         .def_static("make", &make_query<PyInstancedBvh>)
         .def_static("make", &make_query<PyPrimitives>)
-        .def("run_columns", &run_columns)
+        .def("run_columns", &run_columns,
+             nb::sig("def run_columns(self, origins: numpy.typing.NDArray[typing.Any], directions: "
+                     "numpy.typing.NDArray[typing.Any], "
+                     "tmin: numpy.typing.NDArray[typing.Any], tmax: numpy.typing.NDArray[typing.Any], "
+                     "masks: numpy.typing.NDArray[numpy.uint32], times: numpy.typing.NDArray[numpy.float32], "
+                     "out: numpy.typing.NDArray[numpy.uint8], /) -> int"))
         .def("run_packed", &run_packed)
         .def("run_buffers", &run_buffers)
         .def("device", [](const PyQuery& self) { return self.device; });

@@ -115,9 +115,11 @@ void bind_render_config(nb::module_& module) {
             })
         .def_rw("light_grid", &RenderConfig::light_grid)
         .def_rw("compiler", &RenderConfig::compiler)
-        .def_rw("checkpoint", &RenderConfig::checkpoint)
+        .def_rw("checkpoint", &RenderConfig::checkpoint,
+                nb::for_setter(nb::sig("def checkpoint(self, path: str | os.PathLike[str], /) -> None")))
         .def_rw("checkpoint_seconds", &RenderConfig::checkpoint_seconds)
-        .def_rw("resume", &RenderConfig::resume);
+        .def_rw("resume", &RenderConfig::resume,
+                nb::for_setter(nb::sig("def resume(self, path: str | os.PathLike[str], /) -> None")));
     def_named(config, "sampler", &RenderConfig::sampler, samplers);
     module.def("names", []() -> Dict {
         nb::dict names;

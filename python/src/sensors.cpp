@@ -44,7 +44,7 @@ struct PyScan {
     std::size_t size;
 };
 
-nb::tuple arrays_of(BeamPattern pattern) {
+Tuple arrays_of(BeamPattern pattern) {
     const std::size_t count = pattern.beams.size();
     return nb::make_tuple(pattern.rows, pattern.columns, array_of<float>(std::move(pattern.beams), {count, 4}));
 }

@@ -4,6 +4,7 @@
 #include "claray/instances.hpp"
 #include "claray/primitives/primitives.hpp"
 #include "handles.hpp"
+#include "typed.hpp"
 
 namespace claray::python {
 
@@ -36,6 +37,6 @@ struct PyFilter {
 /// The builder of that name. Throws ErrorKind::usage, naming the argument, for an unknown one.
 [[nodiscard]] Bvh::Config config_of(const std::string& builder);
 
-[[nodiscard]] nb::dict tree_statistics(const BvhStatistics& statistics);
+[[nodiscard]] Dict tree_statistics(const BvhStatistics& statistics);
 
 }  // namespace claray::python

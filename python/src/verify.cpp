@@ -6,11 +6,12 @@
 
 #include "callback.hpp"
 #include "handles.hpp"
+#include "typed.hpp"
 
 namespace claray::python {
 namespace {
 
-nb::dict as_dict(const VerifyResult& result) {
+Dict as_dict(const VerifyResult& result) {
     nb::list checks;
     for (const VerifyCheck& c : result.checks) {
         nb::dict check;
@@ -32,8 +33,8 @@ nb::dict as_dict(const VerifyResult& result) {
     return dict;
 }
 
-nb::list run(const PyDevice& device, const std::vector<std::string>& names, bool quick, std::uint64_t seed, bool times,
-             const nb::object& report) {
+List run(const PyDevice& device, const std::vector<std::string>& names, bool quick, std::uint64_t seed, bool times,
+         const nb::object& report) {
     VerifyOptions options;
     options.effort = quick ? Effort::quick : Effort::full;
     options.seed = seed, options.times = times;
