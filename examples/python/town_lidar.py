@@ -91,10 +91,11 @@ shade = 0.35 + 0.65 * np.abs(image["normal"] @ np.array([0.5, 0.6, -0.62]))
 shown = np.where(there[..., None], shade[..., None] * colours[np.where(there, image["material"], len(MATERIALS))], colours[-1])
 
 dots = np.zeros((height, width, 3))
-at: NDArray[np.float64] = (returns["point"] - view[:3, 3]) @ view[:3, :3]
+at = (scan.points - view[:3, 3]) @ view[:3, :3]
 ahead = at[:, 2] > 0.5
 focal = height / 2 / np.tan(np.radians(29))
-x, y = np.round(focal * at[ahead, :2] / at[ahead, 2:] + [width / 2 - 0.5, height / 2 - 0.5]).astype(int).T
+pixels: NDArray[np.float64] = focal * at[ahead, :2] / at[ahead, 2:] + [width / 2 - 0.5, height / 2 - 0.5]
+x, y = np.round(pixels).astype(int).T
 inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
 kept = returns[ahead][inside]
 bright = np.clip(0.15 + 0.5 * np.sqrt(kept["intensity"] * (kept["range"] / 10) ** 2), 0, 1)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from contextlib import contextmanager
-from typing import Any, Iterator, Union
+from typing import Any, Generator, TypeGuard, Union, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,13 +31,21 @@ MISS = 0xFFFFFFFF
 _MOST_ROUNDING = 1e-5
 """Of coordinates, relative to their extent."""
 
+# The types of arguments. Named as such, type checkers leave what passes isinstance() with them as it was: Any.
+_WHOLE: tuple[type[Any], ...] = (int, np.integer)
+_COLLECTION: tuple[type[Any], ...] = (list, tuple, set, frozenset, dict)
+
 NO_WORDS = np.empty(0, np.uint32)
 NO_FLOATS = np.empty(0, np.float32)
 
 
+def _is_array(value: Any) -> TypeGuard[NDArray[Any]]:
+    return isinstance(value, np.ndarray)
+
+
 def as_array(name: str, value: Any) -> NDArray[Any]:
     """The array of `value`: NumPy's, any object with __dlpack__ or __array__ in host memory, or nested sequences."""
-    if isinstance(value, np.ndarray):
+    if _is_array(value):
         return value
     if hasattr(value, "__dlpack__"):
         device = value.__dlpack_device__()[0]
@@ -64,7 +72,7 @@ def floats(name: str, value: Any, columns: int) -> NDArray[Any]:
         raise UsageError(f"{name}: has dtype {array.dtype}; use float32, float64 or integers")
     if array.ndim != 2 or array.shape[1] != columns:
         raise UsageError(f"{name}: has shape {array.shape}; it must be (N, {columns})")
-    if array.dtype not in (np.float32, np.float64) or not array.dtype.isnative or not array.flags.aligned:
+    if array.dtype not in (np.dtype(np.float32), np.dtype(np.float64)) or not array.dtype.isnative or not array.flags.aligned:
         array = array.astype(np.float32 if array.dtype.itemsize < 4 else array.dtype.newbyteorder("=")
                              if array.dtype.kind == "f" else np.float64)
     return array
@@ -148,7 +156,7 @@ def finite_vector(name: str, value: Any, shape: int | Shape) -> NDArray[np.float
 
 
 def flag(name: str, value: Any) -> bool:
-    if not isinstance(value, (int, np.integer, np.bool_)) or value not in (0, 1):
+    if not isinstance(value, (*_WHOLE, np.bool_)) or value not in (0, 1):
         raise UsageError(f"{name}: is {value!r}; use True or False")  # bool("no") is True
     return bool(value)
 
@@ -157,27 +165,27 @@ def number(name: str, value: Any) -> float:
     if isinstance(value, str) or not np.isscalar(value):
         raise UsageError(f"{name}: is {value!r}; use a number")
     try:
-        return float(value)  # type: ignore[arg-type]
+        return float(value)  # type: ignore[arg-type]  # complex: TypeError
     except (TypeError, ValueError):
         raise UsageError(f"{name}: is {value!r}; use a number") from None
 
 
 def integer(name: str, value: Any, low: int, high: int) -> int:
-    if not isinstance(value, (int, np.integer)) or isinstance(value, bool) or not low <= value <= high:
+    if not isinstance(value, _WHOLE) or isinstance(value, bool) or not low <= value <= high:
         raise UsageError(f"{name}: is {value!r}; use an integer from {low} to {high}")
     return int(value)
 
 
 def path_of(name: str, value: Any) -> str:
     """The name of a file or folder."""
-    text = os.fspath(value) if isinstance(value, (str, os.PathLike)) else None
+    text = cast("object", os.fspath(value)) if isinstance(value, (str, os.PathLike)) else None
     if not isinstance(text, str) or "\0" in text:
         raise UsageError(f"{name}: is {value!r}; use the path of a file")
     return text
 
 
 @contextmanager
-def naming(name: str) -> Iterator[None]:
+def naming(name: str) -> Generator[None, None, None]:
     """Lets the library's errors about an argument begin with its name."""
     try:
         yield
@@ -193,8 +201,8 @@ def text(name: str, value: Any) -> str:
 
 def names_of(name: str, value: Any) -> str:
     """One name or several, with commas between them."""
-    several = [value] if isinstance(value, str) else value
-    if not isinstance(several, (list, tuple, set, frozenset, dict)) or not all(isinstance(one, str) for one in several):
+    several: Any = [value] if isinstance(value, str) else value
+    if not isinstance(several, _COLLECTION) or not all(isinstance(one, str) for one in several):
         raise UsageError(f"{name}: is {value!r}; use a name or a list of names")
     return ",".join(several)
 
@@ -260,8 +268,8 @@ def output(name: str, out: Any, shape: Shape, dtype: np.dtype[Any]) -> NDArray[A
     """The caller's array for results, or a new one."""
     if out is None:
         return np.empty(shape, dtype)
-    if not isinstance(out, np.ndarray) or out.dtype != dtype or out.shape != shape:
-        given = f"{out.dtype} of shape {out.shape}" if isinstance(out, np.ndarray) else type(out).__name__
+    if not _is_array(out) or out.dtype != dtype or out.shape != shape:
+        given = f"{out.dtype} of shape {out.shape}" if _is_array(out) else type(out).__name__
         raise UsageError(f"{name}: is {given}; use an array of shape {shape} with dtype {dtype}")
     if not out.flags.c_contiguous or not out.flags.writeable:
         raise UsageError(f"{name}: must be contiguous and writeable")

@@ -18,7 +18,7 @@ from .errors import UsageError
 
 
 def _structures(bvhs: Any) -> list[Bvh]:
-    several: list[Any] = list(bvhs) if isinstance(bvhs, Iterable) else []  # pyright: ignore[reportUnknownArgumentType]
+    several: list[Any] = list(bvhs) if isinstance(bvhs, Iterable) else []  # pyright: ignore[reportUnknownArgumentType]  # checked below
     structures = [bvhs] if isinstance(bvhs, Bvh) else several
     if not structures or not all(isinstance(bvh, Bvh) for bvh in structures):
         raise UsageError("bvhs: use a claray.Bvh, or a sequence of at least one")

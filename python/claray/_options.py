@@ -209,7 +209,7 @@ def set_option(native: Any, key: str, value: Any, of: str, path: str) -> None:
     is_path = isinstance(current, os.PathLike)
     try:
         if is_path:
-            value = str(os.fspath(value))  # pyright: ignore[reportUnknownArgumentType]
+            value = str(os.fspath(value))  # pyright: ignore[reportUnknownArgumentType]  # a path of bytes, too
         elif isinstance(value, (bool, str)) and type(value) is not type(current) and current is not None:
             raise TypeError  # float("1") is a number, too
         setattr(native, key, value)

@@ -202,7 +202,7 @@ def _segments_of_curves(points: NDArray[Any], step: int) -> NDArray[np.uint32]:
     if points.ndim != 3 or points.shape[2] != 3 or points.shape[1] < 4 or (points.shape[1] - 4) % step:
         needed = "4, 7, 10, ..." if step == 3 else "at least 4"
         raise UsageError(f"points: has shape {points.shape}; without segments it must be (C, K, 3), K {needed}")
-    curves, controls = points.shape[:2]
+    curves, controls = map(int, points.shape[:2])
     first: NDArray[Any] = np.arange(curves)[:, None] * controls + np.arange(0, controls - 3, step)
     return first.ravel().astype(np.uint32)
 

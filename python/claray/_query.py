@@ -243,7 +243,7 @@ def packed_rays(bvh: Bvh, origins: ArrayLike, directions: ArrayLike | None, tmin
                 nan: str) -> tuple[NDArray[np.float32], Shape]:
     """Rays as float32 of shape (N, 8), checked, and the shape of the results."""
     if directions is not None:
-        return _packed(rays(origins, directions, tmin, tmax, nan=nan, origin=bvh._origin))  # type: ignore[arg-type]
+        return _packed(rays(origins, directions, tmin, tmax, nan=nan, origin=bvh._origin))  # type: ignore[arg-type]  # rays() checks nan
     check_choice("nan", nan, ("raise", "miss"))
     _check_origin(origins, bvh._origin)
     packed, shape = _packed(origins)

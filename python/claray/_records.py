@@ -174,7 +174,7 @@ def _made(of: type[Record], values: dict[str, Any]) -> Record:
 
 def _text(value: Any) -> str:
     if isinstance(value, tuple):
-        values: tuple[Any, ...] = value  # pyright: ignore[reportUnknownVariableType]
+        values: tuple[Any, ...] = value  # pyright: ignore[reportUnknownVariableType]  # of anything
         return "(" + ", ".join(map(_text, values)) + ")"
     return f"{value:.7g}" if isinstance(value, float) else repr(value)
 

@@ -41,6 +41,21 @@ class LoadOptions(TypedDict, total=False):
     live: bool
 
 
+class MeshArrays(TypedDict):
+    """A mesh of a scene: views of V vertices and T triangles. Arrays that the mesh lacks have no rows."""
+
+    name: str
+    vertices: NDArray[np.float32]
+    triangles: NDArray[np.uint32]
+    normals: NDArray[np.float32]
+    uvs: NDArray[np.float32]
+    uvs1: NDArray[np.float32]
+    tangents: NDArray[np.float32]
+    colors: NDArray[np.float32]
+    materials: NDArray[np.uint32]
+    mask: int
+
+
 class Scene(Handle):
     """Meshes, primitives, materials, lights, sky and camera. An empty scene; load() makes one from a file."""
 
@@ -142,9 +157,9 @@ class Scene(Handle):
             raise UsageError("normals: must be given if, and only if, the mesh has some")
         self._native.move_vertices(mesh, points, _per_vertex("normals", normals, 3, count))
 
-    def _mesh(self, name: str, mesh: int) -> Mapping[str, Any]:
+    def _mesh(self, name: str, mesh: int) -> MeshArrays:
         try:
-            return cast("Mapping[str, Any]", self._native.mesh_at(mesh))
+            return cast("MeshArrays", self._native.mesh_at(mesh))
         except (IndexError, TypeError):
             raise UsageError(f"{name}: is {mesh!r}, and the scene has {self._native.mesh_count()} meshes") from None
 
@@ -233,10 +248,10 @@ class Scene(Handle):
         return int(self._native.primitive_count())
 
     @property
-    def meshes(self) -> tuple[Mapping[str, Any], ...]:
+    def meshes(self) -> tuple[MeshArrays, ...]:
         """The meshes: name, mask, and views 'vertices' (V, 3), 'triangles' (T, 3), 'normals', 'uvs', 'uvs1', 'tangents', 'colors',
         'materials'. All are read-only; add_mesh adds one, and move_vertices moves one."""
-        return tuple(MappingProxyType(self._native.mesh_at(i)) for i in range(self._native.mesh_count()))
+        return tuple(cast("MeshArrays", MappingProxyType(self._native.mesh_at(i))) for i in range(self._native.mesh_count()))
 
     @property
     def instances(self) -> Mapping[str, Any]:
@@ -442,11 +457,11 @@ def _append(records: Records[Any], name: str, record: Any, properties: dict[str,
     return len(records) - 1
 
 
-def _plain(values: Mapping[str, Any]) -> dict[str, Any]:
+def _plain(values: Mapping[str, object]) -> dict[str, Any]:
     copies: dict[str, Any] = dict(values)
     for key, value in copies.items():
         if isinstance(value, np.ndarray):
-            copies[key] = np.array(value)  # pyright: ignore[reportUnknownArgumentType]
+            copies[key] = np.array(value)  # pyright: ignore[reportUnknownArgumentType]  # of any type of numbers
     return copies
 
 

@@ -105,7 +105,7 @@ def texture_of(name: str, given: Any, **options: Any) -> Texture:
         return given
     if isinstance(given, (str, os.PathLike)):
         with naming(name):
-            return Texture.load(given, **options)  # pyright: ignore[reportUnknownArgumentType]
+            return Texture.load(given, **options)  # pyright: ignore[reportUnknownArgumentType]  # path_of checks it
     try:
         return Texture(as_array(name, given), **options)
     except UsageError as error:

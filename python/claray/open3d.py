@@ -245,7 +245,7 @@ def _arrays_of(mesh: Any) -> tuple[Any, Any]:
 
 def _host(name: str, value: Any) -> Any:
     """A tensor of Open3D as the NumPy array that shares its memory; NumPy's from_dlpack takes 1 s for a million rays."""
-    if not hasattr(type(value), "from_numpy"):
+    if not hasattr(value.__class__, "from_numpy"):
         return value
     try:
         return value.numpy()
@@ -255,8 +255,12 @@ def _host(name: str, value: Any) -> Any:
 
 def _maker(*arguments: Any) -> Callable[[NDArray[Any]], Any]:
     """What turns a contiguous array into a result of the arguments' kind."""
-    makers = (getattr(type(value), "from_numpy", None) for value in arguments)  # that of open3d.core.Tensor
-    return next(filter(None, makers), lambda array: array.view(Array))
+    makers = (getattr(value.__class__, "from_numpy", None) for value in arguments)  # that of open3d.core.Tensor
+    return next(filter(None, makers), _viewed)
+
+
+def _viewed(array: NDArray[Any]) -> Array:
+    return array.view(Array)
 
 
 def _in_kind(arrays: dict[str, NDArray[Any]], shape: Shape, argument: Any) -> dict[str, Any]:
@@ -267,7 +271,7 @@ def _in_kind(arrays: dict[str, NDArray[Any]], shape: Shape, argument: Any) -> di
 def _directions(count: int) -> NDArray[np.float32]:
     """The directions along which Open3D counts crossings (VoteInsideOutside in RaycastingScene.cpp): (1, 1, 1), each number
     off by up to 0.001, of a Mersenne Twister with the seed 42. They matter only where surfaces are open."""
-    draws = np.random.RandomState(42).randint(0, 2**32, (count, 3), np.uint32).astype(np.float32) * np.float32(2.0**-32)
+    draws = np.random.RandomState(42).randint(0, 2**32, (count, 3), dtype=np.uint32).astype(np.float32) * np.float32(2.0**-32)
     return np.float32(1) + (draws * np.float32(0.002) - np.float32(0.001))
 
 

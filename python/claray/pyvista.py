@@ -8,10 +8,10 @@ Needs trimesh, whose definition of hits PyVista has, too.
 
 from __future__ import annotations
 
+import importlib
 from typing import Any
 
 import numpy as np
-import pyvista
 from numpy.typing import ArrayLike, NDArray
 from trimesh import Trimesh
 
@@ -19,6 +19,8 @@ from ._arrays import as_array, flag
 from .errors import UsageError
 from .trimesh import RayMeshIntersector
 from .trimesh._ray import pair
+
+pyvista: Any = importlib.import_module("pyvista")
 
 __all__ = ["PolyDataRays", "multi_ray_trace", "ray_trace"]
 
@@ -105,10 +107,12 @@ def _of(mesh: Any) -> PolyDataRays:
 def _triangles_of(mesh: Any) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Triangles (T, 3), and the cell of each."""
     if mesh.is_all_triangles:
-        triangles, cells = mesh.regular_faces, np.arange(mesh.n_cells)
+        triangles, cells = mesh.regular_faces, np.arange(int(mesh.n_cells))
     else:
         surface = pyvista.PolyData()
-        surface.SetPoints(mesh.GetPoints()), surface.SetPolys(mesh.GetPolys()), surface.SetStrips(mesh.GetStrips())
+        surface.SetPoints(mesh.GetPoints())
+        surface.SetPolys(mesh.GetPolys())
+        surface.SetStrips(mesh.GetStrips())
         surface.cell_data[_CELL] = np.arange(mesh.n_verts + mesh.n_lines, mesh.n_cells)  # PolyData has them in this order
         divided = surface.triangulate()
         triangles, cells = divided.regular_faces, divided.cell_data[_CELL]

@@ -172,12 +172,12 @@ def camera(width: int, height: int, *, vertical_fov: float | None = None, focal:
 def look_at(position: ArrayLike, target: ArrayLike, up: ArrayLike = (0.0, 0.0, 1.0), *, optical: bool = False) -> NDArray[np.float64]:
     """A pose, (4, 4): at `position`, forwards to `target`. optical: for cameras, whose z is forwards."""
     along_z = flag("optical", optical)
-    where, to, above = (floats(name, as_array(name, value)[None], 3)[0].astype(np.float64)
+    where, to, above = (np.asarray(floats(name, as_array(name, value)[None], 3)[0], np.float64)
                         for name, value in (("position", position), ("target", target), ("up", up)))
     ahead, left = to - where, np.cross(above, to - where)
     if not np.linalg.norm(left) > 0:
         raise UsageError("target: lies at the position, or above or below it; choose another target or `up`")
-    ahead, left = ahead / np.linalg.norm(ahead), left / np.linalg.norm(left)
+    ahead, left = ahead / float(np.linalg.norm(ahead)), left / float(np.linalg.norm(left))
     upwards = np.cross(ahead, left)
     pose = np.eye(4)
     pose[:3] = np.stack([-left, -upwards, ahead, where] if along_z else [ahead, left, upwards, where], axis=1)
@@ -426,7 +426,7 @@ class Scan:
         flat = self.returns.reshape(-1, self._shape[-2] * self._shape[-1])
         rows = flat if flag("organized", organized) else flat[self.valid.reshape(flat.shape)][None]
         data = np.empty((*rows.shape, len(names)), np.uint32)
-        described = []
+        described: list[PointField] = []
         for i, name in enumerate(names):
             of, part = _FIELDS.get(name, (name, None))
             column = rows[of] if part is None else rows[of][..., part]

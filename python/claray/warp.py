@@ -158,7 +158,7 @@ class _Geometry:
         upwards = np.bincount(edge.reshape(-1), np.sign(ends - starts), len(edges)).astype(np.int64)  # more often than downwards
         low, high = place[edges // len(place)], place[edges % len(place)]
         rising = upwards[:, None] > 0
-        apex = np.broadcast_to(place[starts].mean(axis=0).astype(np.float32), low.shape)
+        apex = np.broadcast_to(place[starts].mean(axis=0).astype(np.float32).astype(np.float64), low.shape)
         return np.stack([np.where(rising, high, low), np.where(rising, low, high), apex], axis=1).repeat(np.abs(upwards), axis=0)
 
 
@@ -354,7 +354,8 @@ def _solid_angles(triangles: NDArray[np.float64], points: NDArray[Any]) -> NDArr
 def _directions(count: int, scale: float) -> NDArray[np.float32]:
     """The directions along which Warp counts crossings (mesh_query_inside_parity in mesh.h): (1, 1, 1), each number off by up to scale,
     of the hash PCG with the seed 42 (Jarzynski and Olano 2020, "Hash functions for GPU rendering")."""
-    state, draws = _pcg(42), []
+    state = _pcg(42)
+    draws: list[float] = []
     for _ in range(3 * count):
         state = _pcg(state)
         draws.append((state >> 8) * 2.0**-24)
@@ -436,7 +437,7 @@ def _sums(groups: NDArray[np.int64], values: NDArray[np.float64]) -> NDArray[np.
 
 def _in_kind(arrays: dict[str, NDArray[Any]], shape: Shape, argument: Any) -> dict[str, Any]:
     """Arrays of rows as results of the argument's kind and of this shape: bool, int32 or float32."""
-    results = {}
+    results: dict[str, NDArray[Any]] = {}
     for name, array in arrays.items():
         kind = np.bool_ if array.dtype == bool else np.int32 if array.dtype.kind in "iu" and name != "sign" else np.float32
         results[name] = np.ascontiguousarray(array, kind).reshape(*shape, *array.shape[1:])

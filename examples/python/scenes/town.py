@@ -70,7 +70,7 @@ class Shape:
     def cylinder(self, material: str, start: Vector, end: Vector, radius: float, sides: int = 10) -> None:
         start, end = np.asarray(start, np.float64), np.asarray(end, np.float64)
         along = (end - start) / np.linalg.norm(end - start)
-        across = np.cross(along, (0, 0, 1) if abs(along[2]) < 0.9 else (1, 0, 0))
+        across = np.cross(along, (0.0, 0.0, 1.0) if abs(along[2]) < 0.9 else (1.0, 0.0, 0.0))
         across /= np.linalg.norm(across)
         turn = np.linspace(0, 2 * np.pi, sides + 1)[:, None]
         ring = radius * (np.cos(turn) * across + np.sin(turn) * np.cross(along, across))

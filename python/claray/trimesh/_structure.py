@@ -51,8 +51,8 @@ class Structure:
         return best
 
     def any(self, origins: NDArray[Any], directions: NDArray[Any]) -> NDArray[np.bool_]:
-        found: NDArray[np.bool_] = np.stack([part.any(origins, directions) for part in self.parts])
-        return cast("NDArray[np.bool_]", found.any(axis=0))
+        found: NDArray[np.bool_] = np.logical_or.reduce([part.any(origins, directions) for part in self.parts])
+        return found
 
     def inside(self, points: NDArray[Any]) -> NDArray[np.bool_]:
         crossed: NDArray[np.bool_] = np.stack([inside(part.bvh, part.in_frame(points)) for part in self.parts])
@@ -189,11 +189,11 @@ class _Part:
         where squared distances agree to tol.merge; here also relative to them."""
         lists = sphere_overlaps(self.bvh, spheres[:, :3], spheres[:, 3])
         points, triangles, first = lists.queries, lists.elements, lists.offsets[:-1].astype(np.int64)
-        away = places[points] - closest_point(self._corners[triangles], places[points])
-        squares = np.einsum("ij,ij->i", away, away)
+        away: NDArray[np.float64] = places[points] - closest_point(self._corners[triangles], places[points])
+        squares: NDArray[np.float64] = np.einsum("ij,ij->i", away, away)
         least = np.minimum.reduceat(squares, first)
         near = np.maximum(TOLERANCE * np.minimum(least, self.scale**2), _EQUAL * (least + np.sqrt(least)))
-        cosines = np.einsum("ij,ij->i", away, self._normals[triangles]) / np.sqrt(np.where(squares > 0, squares, 1))
+        cosines: NDArray[np.float64] = np.einsum("ij,ij->i", away, self._normals[triangles]) / np.sqrt(np.where(squares > 0, squares, 1))
         facing = np.where(squares <= (least + near)[points], np.round(cosines / TOLERANCE), -np.inf)
         return triangles[np.lexsort((squares, -facing, points))[first]].astype(np.int64)
 

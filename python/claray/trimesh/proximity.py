@@ -43,7 +43,7 @@ class ProximityQuery(trimesh.proximity.ProximityQuery):
     """Nearest points of a trimesh.Trimesh. device: as of claray.Bvh; None: that of mesh.ray, if it is claray's."""
 
     def __init__(self, mesh: Trimesh, *, device: AnyDevice = None) -> None:
-        super().__init__(mesh)  # type: ignore[no-untyped-call]
+        super().__init__(mesh)  # type: ignore[no-untyped-call]  # trimesh states no types
         self._engine = _engine_of(mesh) if device is None else RayMeshIntersector(mesh, device=device)
 
     def on_surface(self, points: ArrayLike) -> Nearest:
