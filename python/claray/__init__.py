@@ -26,7 +26,7 @@ from ._primitives import Primitives
 from ._query import Query, Rays, any_hit, closest_hit, rays, unoccluded
 from ._records import Camera, Light, Material, add_bsdf
 from ._render import Renderer, approximation_error, compile_kernels, prepare, render, tell_compiling
-from ._scene import LoadOptions, Scene, animation_seconds, builtin_scenes, load
+from ._scene import LoadOptions, MeshArrays, Scene, animation_seconds, builtin_scenes, load
 from ._textures import Environment, Texture
 from ._values import GBUFFER, GBuffer, ImageError, TextureUse
 from ._verify import verify, verify_cases
@@ -39,7 +39,7 @@ __all__ = [
     "GBUFFER", "HIT", "INSTANCE_HIT", "MISS", "NEAREST", "NEAREST64", "RAY", "Benchmark", "Bvh", "BvhOptions", "Camera",
     "Device", "DeviceError", "Environment", "Error", "Event", "Filter", "FlatInstances", "GBuffer", "Image", "ImageError",
     "InputError", "InstancedBvh", "Instances", "Light", "LightGridOptions", "LightMapOptions", "Lists", "LoadOptions",
-    "Material", "Primitives", "Query", "Rays", "RenderOptions", "RenderProgress", "RenderStatistics", "Renderer", "Scene",
+    "Material", "MeshArrays", "Primitives", "Query", "Rays", "RenderOptions", "RenderProgress", "RenderStatistics", "Renderer", "Scene",
     "Study", "Texture", "TextureUse", "UsageError", "accuracy", "add_bsdf", "all_hits", "animation_seconds", "any_hit",
     "approximation_error", "bake_light_map", "benchmark", "box_overlaps", "builtin_scenes", "closest_hit", "compile_kernels",
     "count_hits", "default_device", "devices", "errors", "explain", "false_color", "flatten", "geometry_range",
