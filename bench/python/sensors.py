@@ -20,7 +20,7 @@ import claray
 from claray import sensors
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "examples" / "python"))
-from scenes.town import PITCH, REFLECTANCE, STREET, Town  # noqa: E402
+from models.town import PITCH, REFLECTANCE, STREET, Town  # noqa: E402
 
 
 def parse() -> argparse.Namespace:

@@ -11,7 +11,7 @@ import argparse
 
 import numpy as np
 from numpy.typing import NDArray
-from scenes.town import MATERIALS, NUMBER, PITCH, REFLECTANCE, STREET, Town
+from models.town import MATERIALS, NUMBER, PITCH, REFLECTANCE, STREET, Town
 
 import claray
 from claray import sensors
