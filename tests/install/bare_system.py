@@ -31,6 +31,7 @@ class BareSystem:
             self._make(release)
         shutil.copy(pathlib.Path("/", CERTIFICATES), self.folder / CERTIFICATES)  # also of a proxy
         shutil.copy("/etc/resolv.conf", self.folder / "etc/resolv.conf")
+        (self.folder / "etc/apt/apt.conf.d/80-retries").write_text('Acquire::Retries "5";\n')
 
     def _make(self, release):
         print(f"making {self.folder}", file=sys.stderr)
