@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import statistics
 import time
-from dataclasses import dataclass
-from typing import Any, Callable
+from typing import Any, Callable, NamedTuple
 
 import numpy as np
 
@@ -23,8 +21,7 @@ _RUNS, _SECONDS = 7, 0.4
 _SIDE, _SAMPLES = 256, 4
 
 
-@dataclass(frozen=True)
-class Measurement:
+class Measurement(NamedTuple):
     """The time of a task. rate: in millions of `unit` per second. runs: after a warm-up; seconds: their median."""
 
     name: str
@@ -34,14 +31,11 @@ class Measurement:
     runs: int
 
 
-@dataclass(frozen=True)
 class Benchmark:
     """What benchmark() measured. benchmark["build"] is the measurement of this name; print it for a table."""
 
-    device: str
-    scene: str
-    triangles: int
-    measurements: tuple[Measurement, ...]
+    def __init__(self, device: str, scene: str, triangles: int, measurements: tuple[Measurement, ...]) -> None:
+        self.device, self.scene, self.triangles, self.measurements = device, scene, triangles, measurements
 
     def __getitem__(self, name: str) -> Measurement:
         for measurement in self.measurements:
@@ -111,7 +105,7 @@ def _measured(name: str, amount: int, unit: str, prepare: Callable[[], Callable[
         start = time.perf_counter()
         task()
         times.append(time.perf_counter() - start)
-    median = statistics.median(times)
+    median = float(np.median(times))
     return Measurement(name, median, 1e-6 * amount / median, unit, len(times))
 
 

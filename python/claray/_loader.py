@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import atexit
 import ctypes
 import glob
-import hashlib
 import os
-import shutil
 import site
 import sys
 import sysconfig
-import tempfile
 
 _SYSTEM = "/etc/OpenCL/vendors"  # where the drivers of a system are registered
 _LOADER = "libOpenCL.so.1"
@@ -73,6 +69,11 @@ def _cache() -> str | None:
 
 def _folder(texts: dict[str, str]) -> str:
     """A folder of .icd files in the cache, since a loader reads only one folder. Made once for the same drivers."""
+    import atexit  # these take milliseconds, and most systems have no driver of pip
+    import hashlib
+    import shutil
+    import tempfile
+
     name = "drivers-" + hashlib.sha256(repr(sorted(texts.items())).encode()).hexdigest()[:16]
     cache = _cache()
     folder = os.path.join(cache, name) if cache else ""
@@ -100,6 +101,8 @@ def _folder(texts: dict[str, str]) -> str:
 
 def _remove(folder: str, owner: int) -> None:
     if os.getpid() == owner:  # not in a forked process
+        import shutil
+
         shutil.rmtree(folder, ignore_errors=True)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import threading
 from typing import Any, Sequence, Union, cast
 
@@ -91,6 +90,8 @@ class Renderer(Handle):
         If the task is cancelled, rendering stops after the samples that are under way, within about `report_seconds`; the image so
         far is kept, and another call continues.
         """
+        import asyncio  # which takes longer to import than all else of this package
+
         loop, stop, raised = asyncio.get_running_loop(), threading.Event(), list[Exception]()
         with reports(progress) as report:
             def tell(reached: RenderProgress) -> None:
