@@ -3,6 +3,7 @@
 import importlib
 import os
 import sys
+import tempfile
 
 import pytest
 
@@ -56,7 +57,7 @@ def test_a_folder_that_lacks_files_is_made_again(machine):
 def test_nothing_is_set_where_no_folder_can_be_written(machine, monkeypatch):
     (machine / "file").touch()
     monkeypatch.setenv("CLARAY_CACHE_DIR", str(machine / "file/cache"))
-    monkeypatch.setattr(loader.tempfile, "tempdir", str(machine / "file"))
+    monkeypatch.setattr(tempfile, "tempdir", str(machine / "file"))
     loader._register_drivers()
     assert KEY not in os.environ
 
