@@ -41,8 +41,8 @@ class System(BareSystem):
 def check(systems, release, wheels):
     """Returns what is wrong."""
     wrong = []
-    begin = time.perf_counter()
     system = System(systems, release, wheels)
+    begin = time.perf_counter()
     system.install("claray")
     alone = min((system.first_hit() for _ in range(3)), key=lambda found: found["import_seconds"])  # others use the machine, too
     if not all(word in alone.get("error", "") for word in ("apt-get install", "pip install intel-opencl-rt intel-cmplr-lib-rt")):
@@ -65,7 +65,7 @@ def check(systems, release, wheels):
     if "cornell.png: 32x32" not in told or "--port" not in told:
         wrong.append(f"the program: {told}")
     print(f"{release}, Python {alone['python']}: import {alone['import_seconds']:.3f} s; {hit.get('device', 'no device')}; first hit "
-          f"{seconds:.1f} s after the beginning, without the download of the driver" + "".join("\n  WRONG: " + each for each in wrong))
+          f"{seconds:.1f} s after the begin of pip install, without the download of the driver" + "".join("\n  WRONG: " + each for each in wrong))
     return wrong
 
 
