@@ -14,6 +14,17 @@ set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXE
 set(driver "pocl-opencl-icd | opencl-icd")
 set(about "claray finds where rays meet surfaces, exactly and the same on every\ndevice, and renders by path tracing. CPUs and GPUs run the same kernels\nby OpenCL.")
 
+# The day of the last change, so that a package is the same whenever it is made.
+execute_process(COMMAND git log -1 --format=%aD WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}" OUTPUT_VARIABLE date OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+if(NOT date)
+    set(date "Thu, 01 Jan 1970 00:00:00 +0000")
+endif()
+file(READ "${PROJECT_SOURCE_DIR}/LICENSE" license)
+string(REGEX REPLACE "\n\n" "\n.\n" license "${license}")
+string(REGEX REPLACE "\n" "\n " license "${license}")
+string(REGEX REPLACE "^MIT License\n \\.\n Copyright[^\n]*\n \\.\n" "" license "${license}")
+string(STRIP "${license}" license)
+
 # claray_package(COMPONENT NAME SECTION SUMMARY WHAT): a package of one component.
 function(claray_package component name section summary what)
     string(TOUPPER ${component} upper)
@@ -21,16 +32,6 @@ function(claray_package component name section summary what)
     set(CPACK_DEBIAN_${upper}_PACKAGE_SECTION ${section} PARENT_SCOPE)
     set(CPACK_DEBIAN_${upper}_DESCRIPTION "${summary}\n${about}\n.\n${what}" PARENT_SCOPE)
     set(folder "${CMAKE_BINARY_DIR}/packaging/${name}")
-    # The day of the last change, so that a package is the same whenever it is made.
-    execute_process(COMMAND git log -1 --format=%aD WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}" OUTPUT_VARIABLE date OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
-    if(NOT date)
-        set(date "Thu, 01 Jan 1970 00:00:00 +0000")
-    endif()
-    file(READ "${PROJECT_SOURCE_DIR}/LICENSE" license)
-    string(REGEX REPLACE "\n\n" "\n.\n" license "${license}")
-    string(REGEX REPLACE "\n" "\n " license "${license}")
-    string(REGEX REPLACE "^MIT License\n \\.\n Copyright[^\n]*\n \\.\n" "" license "${license}")
-    string(STRIP "${license}" license)
     file(WRITE "${folder}/copyright" "Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/\nUpstream-Name: claray\n\n"
          "Files: *\nCopyright: 2026 The claray authors\nLicense: Expat\n ${license}\n")
     file(WRITE "${folder}/changelog" "claray (${PROJECT_VERSION}) unstable; urgency=medium\n\n  * See /usr/share/doc/claray/CHANGELOG.md of libclaray-dev.\n\n"
