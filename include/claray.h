@@ -648,7 +648,7 @@ CLARAY_API void claray_primitives_release(claray_primitives* primitives);
 
 /* A scene without objects. */
 CLARAY_API claray_status claray_scene_create(claray_scene** scene);
-/* A file (.obj, .ply, .stl, .gltf, .glb) or a built-in scene, such as "cornell". */
+/* A file of one of the formats in docs/formats.md, or a built-in scene, such as "cornell". */
 CLARAY_API claray_status claray_scene_load(const char* name_or_path, claray_scene** scene);
 
 /* Selects one variant of a glTF. A choice is a name or, if no name matches, an index; NULL: the default. */

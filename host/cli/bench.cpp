@@ -13,6 +13,7 @@
 #include "host/cli/options/render_options.hpp"
 #include "host/cli/output/outputs.hpp"
 #include "host/cli/output/table.hpp"
+#include "host/io/scene_readers.hpp"
 #include "host/measure/names.hpp"
 #include "host/measure/rays.hpp"
 
@@ -257,10 +258,9 @@ void add_bench_command(CLI::App& app, Action& action) {
     BenchOptions& o = *options;
     o.bench.scenes = {"soup:50000", "terrain:200000", "hair:50000"};
     for (const auto& [name, builder] : measure::builders) o.bench.presets.push_back(builder);
-    command->add_option(
-        "--scene,scenes", o.bench.scenes,
-        "Scene files (.obj, .ply, .stl, .gltf, .glb), built-in scenes, or NAME.scn with NAME.ray [soup:50000 "
-        "terrain:200000 hair:50000]");
+    command->add_option("--scene,scenes", o.bench.scenes,
+                        "Scene files (" + scene_extensions() +
+                            "), built-in scenes, or NAME.scn with NAME.ray [soup:50000 terrain:200000 hair:50000]");
     command->add_option("--preset", o.bench.presets, "Builders to measure [all]")
         ->delimiter(',')
         ->allow_extra_args(false)
@@ -276,7 +276,7 @@ void add_bench_command(CLI::App& app, Action& action) {
     command
         ->add_option(
             "--device", o.devices,
-            "cpu, gpu, an index, part of a name, all, or a list such as gpu,cpu. Of several devices each is measured\n"
+            "cpu, gpu, an index, part of a name, all, or a list such as gpu,cpu. Of several devices each is measured "
             "alone, then all at the same time")
         ->delimiter(',')
         ->allow_extra_args(false);

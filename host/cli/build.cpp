@@ -13,6 +13,7 @@
 #include "host/cli/output/outputs.hpp"
 #include "host/cli/output/table.hpp"
 #include "host/compute/memory.hpp"
+#include "host/io/scene_readers.hpp"
 #include "host/measure/measure.hpp"
 #include "host/measure/names.hpp"
 #include "host/measure/rays.hpp"
@@ -157,7 +158,7 @@ void add_build_command(CLI::App& app, Action& action) {
     BuildOptions& o = *options;
     command
         ->add_option("scene", o.scene,
-                     "A scene file (.obj, .ply, .stl, .gltf, .glb), a built-in scene, or a saved tree (.cbvh)")
+                     "A scene file (" + scene_extensions() + "), a built-in scene, or a saved tree (.cbvh)")
         ->required();
     command->add_option("-o,--output", o.output, "Save the tree and its triangles: FILE.cbvh");
     add_bvh_options(*command, o.config);

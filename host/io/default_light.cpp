@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "claray/error.hpp"
+#include "host/io/scene_readers.hpp"
 #include "host/lights/inside_view.hpp"
 #include "host/lights/studio.hpp"
 
@@ -133,7 +134,7 @@ Scene load_ply(const std::filesystem::path& path, Warnings& warnings) {
 }
 
 Scene load_stl(const std::filesystem::path& path, Warnings& warnings) {
-    return visible(load_stl_without_light(path, warnings), warnings);
+    return visible(load_stl_without_light(path, warnings, {}), warnings);
 }
 
 Scene load_gltf(const std::filesystem::path& path, Warnings& warnings, const LoadOptions& options) {

@@ -13,18 +13,9 @@ struct LoadedScene {
     bool is_file = false;  ///< built-in scenes need no default light
 };
 
-/// As `load_scene`, `load_obj` and `load_gltf`, but these add no light to dark scenes: call `make_visible` afterwards.
+/// As `load_scene`, but it adds no light to dark scenes: call `make_visible` afterwards.
 [[nodiscard]] LoadedScene load_without_light(const std::string& name_or_path, Warnings& warnings,
                                              const LoadOptions& options);
-[[nodiscard]] Scene load_obj_without_light(const std::filesystem::path& path, Warnings& warnings,
-                                           const LoadOptions& options);
-[[nodiscard]] Scene load_ply_without_light(const std::filesystem::path& path, Warnings& warnings,
-                                           const LoadOptions& options);
-[[nodiscard]] Scene load_stl_without_light(const std::filesystem::path& path, Warnings& warnings);
-[[nodiscard]] Scene load_gltf_without_light(const std::filesystem::path& path, Warnings& warnings,
-                                            const LoadOptions& options);
-[[nodiscard]] std::optional<double> gltf_animation_seconds(const std::filesystem::path& path,
-                                                           const LoadOptions& options);
 
 /// Light for scenes that have hardly any.
 struct DefaultLight {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "claray/image/image_format.hpp"
 #include "claray/image/picture.hpp"
 #include "claray/profiler.hpp"
 #include "claray/scene.hpp"
@@ -56,7 +57,7 @@ private:
     std::map<std::string, Kind> kinds_;
 };
 
-/// Selects one variant of a file that holds several; among the supported formats only glTF does. A choice is a name or,
+/// Selects one variant of a file that holds several; docs/formats.md says which formats do. A choice is a name or,
 /// if no name matches, an index that counts from 0. The comments tell the default for an empty choice.
 struct LoadOptions {
     std::optional<double> time = {};          ///< seconds from the begin of an animation; empty: do not animate
@@ -104,8 +105,8 @@ struct LoadOptions {
 /// file does not state it. Returns nothing for other names and files without an animation. Throws as load_gltf.
 [[nodiscard]] std::optional<double> animation_seconds(const std::string& name_or_path, const LoadOptions& options = {});
 
-/// Loads a built-in scene by name, or else a file by its extension (.obj, .ply, .stl, .gltf, .glb), or by its content
-/// if it has another extension or none. Throws ErrorKind::usage for options that the format does not support.
+/// Loads a built-in scene by name, or else a file of one of the formats in docs/formats.md: by its extension, or by its
+/// content if the extension is unknown. Throws ErrorKind::usage for options that the format does not support.
 [[nodiscard]] Scene load_scene(const std::string& name_or_path, Warnings& warnings, const LoadOptions& options = {});
 
 /// The sides of surfaces that rays hit.
@@ -163,15 +164,19 @@ struct ImageLayer {
 void write_exr(const std::filesystem::path& path, unsigned width, unsigned height,
                const std::vector<ImageLayer>& layers);
 
-/// Writes an image by extension: .png (tone mapped, sRGB, 8 bits), .hdr (Radiance RGBE), .pfm or .exr (float32). The
-/// formats other than .png are linear and ignore exposure (in stops) and tone map. The data is written to a temporary
-/// file, synced and renamed, so that no partial image remains. Throws ErrorKind::usage for another extension,
-/// ErrorKind::user if the file cannot be written.
+/// Writes an image by extension, or in the encoding's format: .png, .jpg and .webp (exposed by stops, tone mapped,
+/// sRGB), .hdr (Radiance RGBE), .pfm or .exr (float32). The last three are linear and ignore exposure and tone map. The
+/// data is written to a temporary file, synced and renamed, so that no partial image remains. Throws ErrorKind::usage
+/// for another extension, for a WebP of more than 16383 pixels a side, and for settings that the format does not have.
+/// Throws ErrorKind::user if the file cannot be written.
 void write_image(const std::filesystem::path& path, const Image& image, float exposure = 0.f,
-                 ToneMap tone_map = ToneMap::aces);
+                 ToneMap tone_map = ToneMap::aces, const ImageEncoding& encoding = {});
 
 /// Throws the errors that write_image would throw for this path. Call it before rendering.
-void check_writable(const std::filesystem::path& path);
+void check_writable(const std::filesystem::path& path, const ImageEncoding& encoding = {});
+
+/// Returns the format of a file by its extension, in upper or lower case; nothing for another extension.
+[[nodiscard]] std::optional<ImageFormat> image_format_of(const std::filesystem::path& path);
 
 /// Maps one value per pixel to false colours that are perceptually uniform (Turbo), from the least to the largest
 /// finite value; other values are black. The result is linear: write it with ToneMap::none to see the original colours

@@ -504,7 +504,7 @@ def _read_only(array: NDArray[Any]) -> NDArray[Any]:
 
 
 def load(name_or_path: str | os.PathLike[str], **choices: Unpack[LoadOptions]) -> Scene:
-    """Loads a scene: a file (.obj, .gltf, .glb, .ply, .stl), or a built-in scene such as "cornell" (builtin_scenes()).
+    """Loads a scene: a file (docs/formats.md), or a built-in scene such as "cornell" (builtin_scenes()).
 
     choices: as of LoadOptions.
     What a loader corrects or leaves out is reported by warnings.warn. A file whose own light shows hardly anything gets a

@@ -45,8 +45,7 @@ TEST_F(BadInput, FolderAsScene) {
 }
 TEST_F(BadInput, UnknownScene) {
     EXPECT_TRUE(
-        failed_with(render("no-such-scene"), 2,
-                    "unknown scene 'no-such-scene'; give a .obj, .ply, .stl, .gltf or .glb file or one of cornell"));
+        failed_with(render("no-such-scene"), 2, "unknown scene 'no-such-scene'; give a file (.gltf, .glb, .ply"));
 }
 TEST_F(BadInput, BadTriangleCount) { EXPECT_TRUE(failed_with(render("soup:many"), 2, "soup:N")); }
 

@@ -7,12 +7,12 @@
 
 #include "claray/error.hpp"
 #include "host/base/message.hpp"
-#include "host/io/default_light.hpp"
 #include "host/io/gltf/gltf_animation.hpp"
 #include "host/io/gltf/gltf_choice.hpp"
 #include "host/io/gltf/gltf_instancing.hpp"
 #include "host/io/gltf/gltf_material.hpp"
 #include "host/io/gltf/gltf_mesh.hpp"
+#include "host/io/scene_readers.hpp"
 #include "host/io/strokes.hpp"
 
 namespace claray {

@@ -3,11 +3,11 @@
 
 #include "claray/error.hpp"
 #include "host/base/file.hpp"
-#include "host/io/default_light.hpp"
 #include "host/io/image/image_file.hpp"
 #include "host/io/mesh/ply_mesh.hpp"
 #include "host/io/mesh/positions.hpp"
 #include "host/io/obj/mtl.hpp"
+#include "host/io/scene_readers.hpp"
 #include "host/io/scene_textures.hpp"
 #include "host/io/strokes.hpp"
 

@@ -7,9 +7,9 @@
 
 #include "claray/error.hpp"
 #include "host/base/file.hpp"
-#include "host/io/default_light.hpp"
 #include "host/io/mesh/positions.hpp"
 #include "host/io/obj/mtl.hpp"
+#include "host/io/scene_readers.hpp"
 #include "host/io/text_file.hpp"
 #include "host/io/words.hpp"
 
@@ -186,7 +186,7 @@ private:
 
 }  // namespace
 
-Scene load_stl_without_light(const std::filesystem::path& path, Warnings& warnings) {
+Scene load_stl_without_light(const std::filesystem::path& path, Warnings& warnings, const LoadOptions&) {
     std::string bytes = read_file(path, "check the path");
     if (bytes.empty()) throw Error(ErrorKind::user, "'" + path.string() + "' is empty", "export the mesh again");
     Scene scene;

@@ -5,10 +5,10 @@
 #include <unordered_map>
 
 #include "claray/error.hpp"
-#include "host/io/default_light.hpp"
 #include "host/io/obj/mtl.hpp"
 #include "host/io/obj/obj_file.hpp"
 #include "host/io/obj/triangulate.hpp"
+#include "host/io/scene_readers.hpp"
 #include "host/io/strokes.hpp"
 
 namespace claray {

@@ -1,0 +1,140 @@
+#include "host/io/scene_readers.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <fstream>
+
+#include "host/io/words.hpp"
+
+namespace claray {
+namespace {
+
+bool is_gltf(const SceneBeginning& file) { return file.text.starts_with("glTF") || file.text.starts_with('{'); }
+
+bool is_ply(const SceneBeginning& file) { return file.text.starts_with("ply\n") || file.text.starts_with("ply\r"); }
+
+/// A binary STL has no mark but its size: 84 bytes, and 50 for each triangle.
+bool is_stl(const SceneBeginning& file) {
+    if (file.text.starts_with("solid")) return true;
+    if (file.bytes.size() < 84) return false;
+    std::uintmax_t triangles = 0;
+    for (std::size_t i = 4; i-- > 0;) triangles = triangles << 8 | std::uint8_t(file.bytes[80 + i]);
+    return file.size == 84 + 50 * triangles;
+}
+
+/// A statement of an OBJ, before anything that is none.
+bool is_obj(const SceneBeginning& file) {
+    constexpr std::array<std::string_view, 10> statements = {"v", "vt", "vn",     "f",      "g",
+                                                             "o", "s",  "usemtl", "mtllib", "l"};
+    std::string_view text = file.text;
+    for (std::size_t end = 0; !text.empty(); text.remove_prefix(std::min(end + 1, text.size()))) {
+        end = std::min(text.find_first_of("\r\n"), text.size());
+        std::string_view line = text.substr(0, end);
+        const std::string_view word = next_word(line);
+        if (!word.empty()) return std::find(statements.begin(), statements.end(), word) != statements.end();
+    }
+    return false;
+}
+
+bool is_mitsuba(const SceneBeginning& file) {
+    return file.text.starts_with('<') && file.text.find("<scene") != std::string_view::npos;
+}
+
+/// A statement that pbrt's files begin with, behind comments.
+bool is_pbrt(const SceneBeginning& file) {
+    constexpr std::array<std::string_view, 12> statements = {
+        "Film", "Camera", "LookAt", "Integrator", "Sampler", "PixelFilter", "Transform", "Scale", "Option", "ColorSpace",
+        "WorldBegin", "AttributeBegin"};
+    std::string_view text = file.text;
+    for (std::size_t end = 0; !text.empty(); text.remove_prefix(std::min(end + 1, text.size()))) {
+        end = std::min(text.find_first_of("\r\n"), text.size());
+        std::string_view line = text.substr(0, end);
+        const std::string_view word = next_word(line);
+        if (!word.empty()) return std::find(statements.begin(), statements.end(), word) != statements.end();
+    }
+    return false;
+}
+
+constexpr SceneChoices strokes = {.stroke_radius = true};
+constexpr SceneChoices all = {true, true, true, true, true};
+
+/// Vaguer tests of the content stand behind stricter ones.
+constexpr SceneReader readers[] = {
+    {"glTF", ".gltf .glb", all, is_gltf, load_gltf_without_light, gltf_animation_seconds},
+    {"PLY", ".ply", strokes, is_ply, load_ply_without_light},
+    {"STL", ".stl", {}, is_stl, load_stl_without_light},
+    {"Mitsuba", ".xml", {}, is_mitsuba, load_mitsuba_without_light},
+    {"pbrt", ".pbrt", {}, is_pbrt, load_pbrt_without_light},
+    {"OBJ", ".obj", strokes, is_obj, load_obj_without_light},
+};
+
+/// Calls take(extension) for each.
+template <class Take>
+void for_each_extension(const SceneReader& reader, Take&& take) {
+    std::string_view rest = reader.extensions;
+    for (std::string_view word = next_word(rest); !word.empty(); word = next_word(rest)) take(word);
+}
+
+bool has_extension(const SceneReader& reader, const std::filesystem::path& path) {
+    std::string extension = path.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return std::tolower(c); });
+    bool found = false;
+    for_each_extension(reader, [&](std::string_view known) { found |= known == extension; });
+    return found;
+}
+
+/// The beginning of a regular file, empty for anything else.
+std::string beginning_of(const std::filesystem::path& path) {
+    std::error_code unreadable;
+    if (!std::filesystem::is_regular_file(path, unreadable)) return {};
+    std::string bytes(std::size_t(1) << 16, '\0');
+    std::ifstream file(path, std::ios::binary);
+    file.read(bytes.data(), std::streamsize(bytes.size()));
+    bytes.resize(std::size_t(file.gcount()));
+    return bytes;
+}
+
+const SceneReader* reader_by_content(const std::filesystem::path& path) {
+    const std::string bytes = beginning_of(path);
+    if (bytes.empty()) return nullptr;
+    SceneBeginning file{bytes, bytes, std::filesystem::file_size(path)};
+    if (file.text.starts_with("\xef\xbb\xbf")) file.text.remove_prefix(3);
+    file.text.remove_prefix(std::min(file.text.find_first_not_of(" \t\r\n"), file.text.size()));
+    const auto found = std::find_if(std::begin(readers), std::end(readers), [&](const SceneReader& reader) {
+        return reader.recognizes && reader.recognizes(file);
+    });
+    return found == std::end(readers) ? nullptr : &*found;
+}
+
+void append(std::string& list, std::string_view word) {
+    if (!list.empty()) list += ", ";
+    list += word;
+}
+
+}  // namespace
+
+std::span<const SceneReader> scene_readers() { return readers; }
+
+const SceneReader* scene_reader_of(const std::filesystem::path& path) {
+    const auto found = std::find_if(std::begin(readers), std::end(readers),
+                                    [&](const SceneReader& reader) { return has_extension(reader, path); });
+    return found == std::end(readers) ? reader_by_content(path) : &*found;
+}
+
+std::string scene_format_names() {
+    std::string names;
+    for (const SceneReader& reader : readers)
+        if (reader.load) append(names, reader.name);
+    return names;
+}
+
+std::string scene_extensions() {
+    std::string extensions;
+    for (const SceneReader& reader : readers)
+        if (reader.load) for_each_extension(reader, [&](std::string_view extension) { append(extensions, extension); });
+    return extensions;
+}
+
+}  // namespace claray

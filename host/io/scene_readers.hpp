@@ -1,0 +1,65 @@
+// The formats of scene files: a row each, which is all that the rest of claray knows of them.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "claray/io.hpp"
+
+namespace claray {
+
+/// The members of LoadOptions that a format knows.
+struct SceneChoices {
+    bool animations = false;  ///< `time` and `animation`
+    bool variants = false;
+    bool cameras = false;
+    bool scenes = false;
+    bool stroke_radius = false;  ///< it has points or lines
+};
+
+/// The begin of a file, by which a reader knows its format.
+struct SceneBeginning {
+    std::string_view bytes;   ///< the first 64 KiB
+    std::string_view text;    ///< the same, without a byte order mark and blanks before it
+    std::uintmax_t size = 0;  ///< of the whole file
+};
+
+struct SceneReader {
+    const char* name;        ///< "glTF", as messages write it
+    const char* extensions;  ///< ".gltf .glb", in lower case; the first row with an extension reads it
+    SceneChoices choices = {};
+    /// Whether it is such a file. It decides for files without a known extension. Null: the extension alone decides.
+    bool (*recognizes)(const SceneBeginning&) = nullptr;
+    /// Adds no light, and no camera but the file's. Null: claray knows the format only to refuse it by its name.
+    Scene (*load)(const std::filesystem::path&, Warnings&, const LoadOptions&) = nullptr;
+    /// Of formats with animations: as claray::animation_seconds.
+    std::optional<double> (*animation_seconds)(const std::filesystem::path&, const LoadOptions&) = nullptr;
+    const char* remedy = "";  ///< without `load`: how to convert it
+};
+
+/// All rows. The first that recognizes a file reads it.
+[[nodiscard]] std::span<const SceneReader> scene_readers();
+/// The reader of a file: by its extension, otherwise by its content. Null: no row is for it.
+[[nodiscard]] const SceneReader* scene_reader_of(const std::filesystem::path& path);
+
+/// The names of the formats that are read, and their extensions: "OBJ, PLY", ".obj, .ply".
+[[nodiscard]] std::string scene_format_names();
+[[nodiscard]] std::string scene_extensions();
+
+[[nodiscard]] Scene load_obj_without_light(const std::filesystem::path& path, Warnings& warnings,
+                                           const LoadOptions& options);
+[[nodiscard]] Scene load_ply_without_light(const std::filesystem::path& path, Warnings& warnings,
+                                           const LoadOptions& options);
+[[nodiscard]] Scene load_stl_without_light(const std::filesystem::path& path, Warnings& warnings,
+                                           const LoadOptions& options);
+[[nodiscard]] Scene load_gltf_without_light(const std::filesystem::path& path, Warnings& warnings,
+                                            const LoadOptions& options);
+[[nodiscard]] Scene load_mitsuba_without_light(const std::filesystem::path& path, Warnings& warnings,
+                                               const LoadOptions& options);
+[[nodiscard]] Scene load_pbrt_without_light(const std::filesystem::path& path, Warnings& warnings,
+                                            const LoadOptions& options);
+[[nodiscard]] std::optional<double> gltf_animation_seconds(const std::filesystem::path& path,
+                                                           const LoadOptions& options);
+
+}  // namespace claray
