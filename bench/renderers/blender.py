@@ -1,0 +1,75 @@
+"""Measures the add-on for Blender (tools/blender): seconds from F12 to the picture, and means beside Cycles.
+
+    PYTHONPATH=build/python build/blender_env/bin/python -P bench/renderers/blender.py [--size WxH] [--spp N] [--frames N] [SCENE...]
+
+Needs PyPI's bpy, which tests/blender/run installs in build/blender_env. (-P: cycles.py beside this file has the name of Blender's add-on.)
+Scenes: cube (Blender's default), room (an interior), instances (1,000 of one mesh), frames (an animation of the cube). Prints a row for each:
+seconds of the first render, which may compile kernels; of the median of three later ones, for frames of the slowest frame after the first; of
+Cycles with as many samples; and the mean by claray over that by Cycles of red, green and blue.
+"""
+
+import argparse
+import math
+import pathlib
+import statistics
+import sys
+import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tests/blender"))
+import support  # noqa: E402
+
+
+def cube(width, height):
+    return support.default_scene(width, height)
+
+
+def room(width, height):
+    scene = support.empty_scene(width, height)
+    support.interior(scene)
+    return scene
+
+
+def instances(width, height):
+    scene = support.empty_scene(width, height)
+    support.instances(scene, 1000)
+    return scene
+
+
+def frames(width, height):
+    scene = support.default_scene(width, height)
+    import bpy
+    cube = bpy.data.objects["Cube"]
+    for frame, angle in ((1, 0), (24, math.pi)):
+        cube.rotation_euler.z = angle
+        cube.keyframe_insert("rotation_euler", frame=frame)
+    return scene
+
+
+def timed(scene, engine, samples, frame=None):
+    begin = time.perf_counter()
+    pixels = support.picture(scene, engine, samples, frame)
+    return time.perf_counter() - begin, pixels[..., :3].mean((0, 1))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("scenes", nargs="*", default=["cube", "room", "instances", "frames"], metavar="SCENE")
+    parser.add_argument("--size", default="640x360")
+    parser.add_argument("--spp", type=int, default=64)
+    parser.add_argument("--frames", type=int, default=24)
+    given = parser.parse_args()
+    width, height = map(int, given.size.split("x"))
+    print(f"{given.size}, {given.spp} samples\n{'scene':10} first later Cycles  claray/Cycles")
+    for name in given.scenes:
+        scene = {"cube": cube, "room": room, "instances": instances, "frames": frames}[name](width, height)
+        first, mean = timed(scene, "CLARAY", given.spp)
+        if name == "frames":
+            later = max(timed(scene, "CLARAY", given.spp, frame)[0] for frame in range(2, given.frames + 1))
+            scene.frame_set(1)
+        else:
+            later = statistics.median(timed(scene, "CLARAY", given.spp)[0] for _ in range(3))
+        cycles, expected = timed(scene, "CYCLES", given.spp)
+        print(f"{name:10} {first:5.2f} {later:5.2f} {cycles:6.2f}  {' '.join(f'{share:.4f}' for share in mean / expected)}", flush=True)
+
+
+main()
