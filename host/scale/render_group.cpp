@@ -1,6 +1,7 @@
 #include "claray/scale/render_group.hpp"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include "host/base/file.hpp"
@@ -69,6 +70,14 @@ RenderConfig config_for(const std::vector<Device>& devices, RenderConfig config)
     return config;
 }
 
+/// Each member works in a thread of its own: a device that is listed again gets another queue.
+std::vector<Device> with_own_queues(std::vector<Device> devices) {
+    std::set<const void*> seen;
+    for (Device& device : devices)
+        if (!seen.insert(&state_of(device)).second) device = device.with_new_queue();
+    return devices;
+}
+
 }  // namespace
 
 RenderGroup::State::State(const std::vector<Device>& devices, const Scene& of, const RenderConfig& with,
@@ -84,7 +93,7 @@ RenderGroup::State::State(const std::vector<Device>& devices, const Scene& of, c
                     "continue on one device with --adaptive");
     if (saves) check_file_writable(config.checkpoint);
     error = start.error;
-    for (const Device& device : devices)
+    for (const Device& device : with_own_queues(devices))
         add([&](Inbox& in, std::size_t number) {
             return std::make_unique<DeviceWorker>(device, scene, config, in, number, &sums);
         });

@@ -68,6 +68,18 @@ TEST_F(Groups, MakeTheImageOfOneDeviceBitForBit) {
     EXPECT_TRUE(same(of_all(2, large), of_one(large)));
 }
 
+TEST_F(Groups, TakeADeviceThatIsListedTwice) {
+    const std::vector<glm::vec3> expected = of_one(config_);
+    for (int run = 0; run < 5; ++run) {
+        const Device own = Device::open(std::to_string(device().info().index));
+        RenderGroup group({own, own, own}, scene_, config_);
+        wait_for_all(group);
+        group.render();
+        for (const DeviceShare& share : group.shares()) EXPECT_EQ(share.failure, "");
+        EXPECT_TRUE(same(group.renderer().image(), expected));
+    }
+}
+
 TEST_F(Groups, ShareScenesOfPrimitives) {
     scene_ = *builtin_scene("curves:500");
     config_.spp = 9;
