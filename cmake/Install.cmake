@@ -26,7 +26,7 @@ install(FILES "${CMAKE_CURRENT_BINARY_DIR}/claray-config.cmake" "${CMAKE_CURRENT
 find_package(PkgConfig REQUIRED)
 set(pc_names "")
 set(pc_links "")
-foreach(entry tinyobjloader=tinyobjloader::tinyobjloader libpng=PNG::PNG libjpeg=JPEG::JPEG draco=draco::draco
+foreach(entry tinyobjloader=tinyobjloader::tinyobjloader libpng=PNG::PNG libjpeg=JPEG::JPEG zlib=ZLIB::ZLIB pugixml=${claray_xml} draco=draco::draco
               meshoptimizer=meshoptimizer::meshoptimizer OpenEXR=OpenEXR::OpenEXR libwebp=${WEBP_LIBRARY})
     string(REGEX MATCH "^([^=]*)=(.*)" entry "${entry}")
     set(name "${CMAKE_MATCH_1}")

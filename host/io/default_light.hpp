@@ -10,7 +10,7 @@ namespace claray {
 
 struct LoadedScene {
     Scene scene;
-    bool is_file = false;  ///< built-in scenes need no default light
+    bool is_file = false;  ///< it may need light: neither built in nor of a format that states all light
 };
 
 /// As `load_scene`, but it adds no light to dark scenes: call `make_visible` afterwards.

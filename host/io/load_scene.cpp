@@ -56,8 +56,15 @@ std::vector<std::string> names_like(const std::string& name) {
                 "give a file (" + scene_extensions() + ") or one of " + known);
 }
 
+bool has_light(const Scene& scene) {
+    const bool sky = scene.sky.horizon != glm::vec3(0.f) || scene.sky.zenith != glm::vec3(0.f);
+    return sky || !scene.lights.empty() || !scene.environment.images.empty() ||
+           std::any_of(scene.materials.begin(), scene.materials.end(),
+                       [](const Material& m) { return m.emission != glm::vec3(0.f); });
+}
+
 /// A file that does not exist is left to the reader, whose error says so.
-Scene load_file(const std::string& name, Warnings& warnings, const LoadOptions& options) {
+LoadedScene load_file(const std::string& name, Warnings& warnings, const LoadOptions& options) {
     const SceneReader* reader = scene_reader_of(name);
     if (!reader) refuse_unknown(name);
     if (!reader->load)
@@ -65,7 +72,9 @@ Scene load_file(const std::string& name, Warnings& warnings, const LoadOptions& 
                     reader->remedy);
     std::error_code unreadable;
     if (std::filesystem::exists(name, unreadable)) refuse_choices(name, options, reader->choices);
-    return reader->load(name, warnings, options);
+    LoadedScene loaded{reader->load(name, warnings, options)};
+    loaded.is_file = !(reader->states_light && has_light(loaded.scene));
+    return loaded;
 }
 
 /// Warns of coordinates far from the origin, as maps have them, which float32 rounds to coarse steps.
@@ -98,7 +107,7 @@ LoadedScene load_without_light(const std::string& name_or_path, Warnings& warnin
         refuse_choices(name_or_path, options, {});
         return {*std::move(scene), false};
     }
-    LoadedScene loaded{load_file(name_or_path, warnings, options), true};
+    LoadedScene loaded = load_file(name_or_path, warnings, options);
     warn_of_rounding(loaded.scene, name_or_path, warnings);
     return loaded;
 }

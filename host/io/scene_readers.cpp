@@ -64,8 +64,8 @@ constexpr SceneReader readers[] = {
     {"glTF", ".gltf .glb", all, is_gltf, load_gltf_without_light, gltf_animation_seconds},
     {"PLY", ".ply", strokes, is_ply, load_ply_without_light},
     {"STL", ".stl", {}, is_stl, load_stl_without_light},
-    {"Mitsuba", ".xml", {}, is_mitsuba, load_mitsuba_without_light},
-    {"pbrt", ".pbrt", {}, is_pbrt, load_pbrt_without_light},
+    {"Mitsuba", ".xml", {}, is_mitsuba, load_mitsuba_without_light, nullptr, "", true},
+    {"pbrt", ".pbrt", {}, is_pbrt, load_pbrt_without_light, nullptr, "", true},
     {"OBJ", ".obj", strokes, is_obj, load_obj_without_light},
 };
 

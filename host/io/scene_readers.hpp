@@ -36,6 +36,7 @@ struct SceneReader {
     /// Of formats with animations: as claray::animation_seconds.
     std::optional<double> (*animation_seconds)(const std::filesystem::path&, const LoadOptions&) = nullptr;
     const char* remedy = "";  ///< without `load`: how to convert it
+    bool states_light = false;  ///< its files state all of their light: claray adds none where there is any
 };
 
 /// All rows. The first that recognizes a file reads it.

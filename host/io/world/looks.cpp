@@ -1,0 +1,185 @@
+#include "host/io/world/looks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace claray {
+namespace {
+
+float share(float x) { return std::isfinite(x) ? std::clamp(x, 0.f, 1.f) : 0.f; }
+/// claray's GGX has alpha = roughness^2.
+float roughness_of_alpha(float alpha) { return std::sqrt(share(alpha)); }
+glm::vec3 roughness_of_alphas(const glm::vec3& alpha) {
+    return {roughness_of_alpha(alpha.x), roughness_of_alpha(alpha.y), roughness_of_alpha(alpha.z)};
+}
+float sound_ior(float ior) { return std::isfinite(ior) ? std::clamp(ior, 0.1f, 10.f) : 1.5f; }
+
+/// The index of a single border that reflects as much of diffuse light as a pane with R' = 2 R / (1 + R).
+float pane_ior(float ior) {
+    constexpr int steps = 200;
+    const auto reflected = [](double n, bool pane) {
+        double sum = 0;
+        for (int i = 0; i < steps; ++i) {
+            const double cosine = (i + 0.5) / steps, r = conductor_reflectance(n, 0, cosine);
+            sum += 2 * cosine * (pane ? 2 * r / (1 + r) : r) / steps;
+        }
+        return sum;
+    };
+    const double wanted = reflected(ior, true);
+    double low = 1, high = 10;
+    for (int i = 0; i < 40; ++i) {
+        const double middle = (low + high) / 2;
+        (reflected(middle, false) < wanted ? low : high) = middle;
+    }
+    return float(low);
+}
+
+/// The same surface as parameters of a principled material.
+Material as_principled(const Material& material) {
+    Material m = material;
+    if (m.kind == MaterialKind::principled) return m;
+    const MaterialKind kind = m.kind;
+    m.kind = MaterialKind::principled;
+    if (kind == MaterialKind::lambert) m.specular_weight = 0.f, m.roughness = 1.f;
+    if (kind == MaterialKind::metal || kind == MaterialKind::mirror) m.metallic = 1.f;
+    if (kind == MaterialKind::mirror) m.roughness = 0.f;
+    if (kind == MaterialKind::glass) m.transmission = 1.f;
+    return m;
+}
+
+Paint paint_of_albedo(const Material& m) {
+    Paint paint(m.albedo);
+    paint.use = m.albedo_map;
+    return paint;
+}
+
+}  // namespace
+
+void set_albedo(Material& material, Paints& paints, const Paint& paint) {
+    const Paint sound = paints.albedo(paint);
+    material.albedo = sound.factor;
+    material.albedo_map = sound.use;
+}
+
+void set_roughness(Material& material, Paints& paints, const Alphas& alphas) {
+    if (alphas.u.varies()) {
+        const Paint roughness = paints.changed(alphas.u, "sqrt", roughness_of_alphas);
+        material.metallic_roughness_map = paints.roughness_map(roughness);
+        material.roughness = 1.f;
+        material.kind = MaterialKind::principled;
+        return;
+    }
+    const float u = share(alphas.u.factor.x), v = share(paints.mean(alphas.v).x);
+    const float across = std::min(u, v), along = std::max(u, v);
+    material.roughness = roughness_of_alpha(across);
+    if (along - across < 1e-4f || across >= 1.f) return;
+    if (material.kind == MaterialKind::metal) material.kind = MaterialKind::principled, material.metallic = 1.f;
+    if (material.kind != MaterialKind::principled) {
+        material.roughness = roughness_of_alpha(std::sqrt(along * across));
+        return;
+    }
+    // KHR_materials_anisotropy: the wider alpha is mix(roughness^2, 1, anisotropy^2).
+    material.anisotropy = std::sqrt((along - across) / (1.f - across));
+    material.anisotropy_rotation = u >= v ? 0.f : std::numbers::pi_v<float> / 2;
+}
+
+Look grey_look() {
+    Look look;
+    look.material.albedo = glm::vec3(0.5f);
+    return look;
+}
+
+Look diffuse_look(Paints& paints, const Paint& reflectance) {
+    Look look;
+    set_albedo(look.material, paints, reflectance);
+    return look;
+}
+
+Look plastic_look(Paints& paints, const Paint& reflectance, float ior, const Alphas& alphas, bool tinted) {
+    Look look;
+    Material& m = look.material;
+    m.kind = MaterialKind::principled;
+    m.ior = sound_ior(ior);
+    Paint base = paints.albedo(reflectance);
+    if (tinted && m.ior > 1.f) {
+        const double inner = inner_reflectance(m.ior);
+        base = paints.changed(base, "below " + std::to_string(m.ior), [inner](const glm::vec3& c) {
+            return glm::vec3(albedo_below(c.x, inner), albedo_below(c.y, inner), albedo_below(c.z, inner));
+        });
+    }
+    set_albedo(m, paints, base);
+    set_roughness(m, paints, alphas);
+    return look;
+}
+
+Look metal_look(Paints& paints, const Paint& color, const Alphas& alphas) {
+    Look look;
+    look.material.kind = MaterialKind::metal;
+    look.material.metallic = 1.f;
+    set_albedo(look.material, paints, color);
+    set_roughness(look.material, paints, alphas);
+    return look;
+}
+
+Look glass_look(Paints& paints, float ior, const Alphas& alphas, const Paint& tint) {
+    Look look;
+    Material& m = look.material;
+    m.kind = MaterialKind::glass;
+    m.ior = sound_ior(ior);
+    set_albedo(m, paints, tint);
+    set_roughness(m, paints, alphas);
+    if (m.kind == MaterialKind::principled) m.transmission = 1.f, m.metallic_roughness_map = {};  // metal would hide it
+    return look;
+}
+
+Look pane_look(Paints& paints, float ior, const Paint& tint) {
+    const float sound = sound_ior(ior);
+    Look look = glass_look(paints, pane_ior(std::max(sound, 1 / sound)), {}, tint);
+    look.material.thin_walled = true;
+    look.material.roughness = 0.f;
+    return look;
+}
+
+void set_opacity(Look& look, Paints& paints, const Paint& opacity) {
+    const Paint sound = paints.albedo(opacity);
+    if (!sound.varies() && sound.factor.x >= 1.f) return;
+    look.material.alpha_mode = AlphaMode::blend;
+    look.material.opacity = sound.factor.x;
+    look.material.opacity_map = sound.use;
+    if (!sound.varies() && sound.factor.x <= 0.f) look.invisible = true;
+}
+
+Look mixed_look(Paints& paints, const Look& a, const Look& b, const Paint& amount) {
+    if (!amount.varies() && amount.factor.x <= 0.f) return a;
+    if (!amount.varies() && amount.factor.x >= 1.f) return b;
+    if (a.invisible || b.invisible) {
+        Look look = a.invisible ? b : a;
+        const Paint rest = paints.mixed(Paint(1.f), Paint(0.f), amount);
+        set_opacity(look, paints, a.invisible ? amount : rest);
+        look.invisible = false;
+        return look;
+    }
+    const float t = share(paints.mean(amount).x);
+    Look look = t < 0.5f ? a : b;
+    const Material from = as_principled(a.material), to = as_principled(b.material);
+    Material& m = look.material;
+    const bool both_diffuse = a.material.kind == MaterialKind::lambert && b.material.kind == MaterialKind::lambert;
+    if (!both_diffuse) {
+        const auto mix = [t](float x, float y) { return x + t * (y - x); };
+        m = as_principled(m);
+        m.metallic = mix(from.metallic, to.metallic), m.transmission = mix(from.transmission, to.transmission);
+        m.specular_weight = mix(from.specular_weight, to.specular_weight);
+        m.ior = mix(from.ior, to.ior);
+        const bool only_one_shines = (from.specular_weight > 0.f) != (to.specular_weight > 0.f);
+        if (only_one_shines)
+            m.roughness = from.specular_weight > 0.f ? from.roughness : to.roughness;
+        else
+            m.roughness = mix(from.roughness, to.roughness);
+    }
+    set_albedo(m, paints, paints.mixed(paint_of_albedo(from), paint_of_albedo(to), amount));
+    look.both_sides = a.both_sides || b.both_sides;
+    return look;
+}
+
+}  // namespace claray

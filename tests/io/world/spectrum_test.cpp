@@ -1,0 +1,79 @@
+// Spectra to colours, and reflectances, against closed forms and published values.
+#include "host/io/world/spectrum.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+
+namespace claray {
+namespace {
+
+TEST(Spectrum, OfOneIsWhiteInDaylightAndHasALuminanceOfOneAsLight) {
+    const std::array<SpectrumSample, 2> one = {{{300, 1}, {900, 1}}};
+    const glm::vec3 white = rgb_of_reflectance(one);
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(white[k], 1.f, 0.003f) << k;
+    const glm::vec3 light = rgb_of_light(one);
+    EXPECT_NEAR(luminance_of(light), 1.f, 1e-3f);
+    EXPECT_GT(light.x, light.z);  // equal energy is redder than D65
+}
+
+TEST(Spectrum, OfANarrowBandHasItsColor) {
+    const std::array<SpectrumSample, 2> green = {{{520, 1}, {540, 1}}}, red = {{{640, 1}, {660, 1}}};
+    EXPECT_GT(rgb_of_light(green).y, 0.f);
+    EXPECT_LT(rgb_of_light(green).x, 0.f);  // outside Rec. 709
+    EXPECT_GT(rgb_of_light(red).x, 3 * std::abs(rgb_of_light(red).y));
+}
+
+/// Chromaticities of Planck's locus (CIE 15): at 6500 K x = 0.3135, y = 0.3237; at 2856 K x = 0.4476, y = 0.4074.
+TEST(Spectrum, OfBlackBodies) {
+    const auto chromaticity = [](const glm::dvec3& c) {
+        const glm::dvec3 xyz(0.4124564 * c.x + 0.3575761 * c.y + 0.1804375 * c.z,
+                             0.2126729 * c.x + 0.7151522 * c.y + 0.0721750 * c.z,
+                             0.0193339 * c.x + 0.1191920 * c.y + 0.9503041 * c.z);
+        return glm::dvec2(xyz) / (xyz.x + xyz.y + xyz.z);
+    };
+    const glm::dvec2 day = chromaticity(rgb_of_blackbody(6500)), lamp = chromaticity(rgb_of_blackbody(2856));
+    EXPECT_NEAR(day.x, 0.3135, 1e-3);
+    EXPECT_NEAR(day.y, 0.3237, 1e-3);
+    EXPECT_NEAR(lamp.x, 0.4476, 1e-3);
+    EXPECT_NEAR(lamp.y, 0.4074, 1e-3);
+    EXPECT_NEAR(luminance_of(rgb_of_blackbody(2856)), 1.f, 1e-3f);
+}
+
+TEST(Conductors, AgreeWithTheDielectricWithoutExtinctionAndWithNormalIncidence) {
+    for (const double cosine : {1.0, 0.7, 0.3, 0.05}) {
+        const double inside = std::sqrt(1 - (1 - cosine * cosine) / 2.25);
+        const double s = (cosine - 1.5 * inside) / (cosine + 1.5 * inside),
+                     p = (1.5 * cosine - inside) / (1.5 * cosine + inside);
+        EXPECT_NEAR(conductor_reflectance(1.5, 0, cosine), (s * s + p * p) / 2, 1e-12);
+    }
+    EXPECT_NEAR(conductor_reflectance(0.2, 3.9, 1), (0.64 + 15.21) / (1.44 + 15.21), 1e-12);
+    EXPECT_NEAR(conductor_reflectance(0, 1, 0.4), 1, 1e-12);  // Mitsuba's "none"
+}
+
+TEST(Conductors, HaveNamesInBothFormats) {
+    ASSERT_TRUE(conductor_named("metal-Au-eta") && conductor_named("Au"));
+    EXPECT_EQ(conductor_named("metal-Au-k")->k, conductor_named("Au")->k);
+    EXPECT_TRUE(conductor_named("Ni_palik"));
+    EXPECT_FALSE(conductor_named("unobtainium"));
+    const glm::vec3 gold = schlick_color(*conductor_named("Au"));
+    EXPECT_GT(gold.x, gold.y);
+    EXPECT_GT(gold.y, gold.z);
+    EXPECT_EQ(schlick_color(*conductor_named("none")), glm::vec3(1.f));
+    EXPECT_FLOAT_EQ(*ior_named("bk7"), 1.5046f);
+    EXPECT_FALSE(ior_named("unobtainium"));
+}
+
+/// Diffuse light within n = 1.5: 0.596 (d'Eon and Irving 2011, table of internal reflectances).
+TEST(Plastic, ReturnsTheShareOfLightThatItsBorderSendsBack) {
+    EXPECT_NEAR(inner_reflectance(1.5), 0.596, 1e-3);
+    const double inner = inner_reflectance(1.5);
+    EXPECT_NEAR(albedo_below(1.f, inner), 1.f, 1e-6f);
+    double sum = 0, now = 0.5 * (1 - inner);
+    for (int bounce = 0; bounce < 200; ++bounce, now *= 0.5 * inner) sum += now;  // leaves after each reflection
+    EXPECT_NEAR(albedo_below(0.5f, inner), sum, 1e-6);
+}
+
+}  // namespace
+}  // namespace claray
