@@ -3,6 +3,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <numbers>
 
+#include "host/base/format.hpp"
 #include "host/sensors/world_state.hpp"
 
 namespace claray {
@@ -12,8 +13,8 @@ constexpr std::uint32_t most_rays = 64;
 
 void check_number(const char* name, double value, double least, double most) {
     if (value >= least && value <= most) return;
-    throw Error(ErrorKind::usage, std::string(name) + ": is " + std::to_string(value),
-                "use a number from " + std::to_string(least) + " to " + std::to_string(most));
+    throw Error(ErrorKind::usage, name + printed(": is %.9g", value),
+                printed("use a number from %.9g to %.9g", least, most));
 }
 
 void check_pattern(const BeamPattern& pattern) {
@@ -38,7 +39,9 @@ void check_pattern(const BeamPattern& pattern) {
 void check(const SensorConfig& config) {
     check_pattern(config.pattern);
     check_number("rays", config.rays, 1, most_rays);
-    check_number("returns", config.returns, 1, config.rays);
+    if (config.returns < 1 || config.returns > config.rays)
+        throw Error(ErrorKind::usage, printed("returns: is %u, and a beam has %u rays", config.returns, config.rays),
+                    "use a number from 1 to the number of rays");
     for (const double angle : config.divergence) check_number("divergence", angle, 0, 1);
     const double most = 1e18;
     check_number("nearest", config.nearest, 0, most);

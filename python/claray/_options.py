@@ -6,7 +6,7 @@ import os
 from typing import Any, Literal, Mapping, Sequence, TypedDict, Union, cast
 
 from . import _native
-from ._arrays import names_of
+from ._arrays import did_you_mean, names_of
 from .errors import UsageError
 
 Sampler = Literal["sobol", "independent"]
@@ -198,7 +198,7 @@ class DeviceShare(TypedDict):
 def set_option(native: Any, key: str, value: Any, of: str, path: str) -> None:
     """Sets a member of a native configuration, or those of one within it. `path`: its name in errors."""
     if key.startswith("_") or not hasattr(native, key):
-        raise UsageError(f"{path}: unknown option of {of}")
+        raise UsageError(f"{path}: unknown option of {of}{did_you_mean(key, dir(native))}")
     current = getattr(native, key)
     type_name = type(current).__name__
     if key == "approximate":

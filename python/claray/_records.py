@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
-from ._arrays import naming, number
+from ._arrays import did_you_mean, naming, number
 from ._handle import Handle
 from ._typing import dataclass_transform
 from ._values import TextureUse
@@ -37,7 +37,7 @@ Write = TypeVar("Write")
 def set_all(native: Any, name: str, values: dict[str, Any]) -> Any:
     for key, value in values.items():
         if not hasattr(native, key) or key.startswith("_") or callable(getattr(native, key)):
-            raise UsageError(f"{name}: has no property '{key}'")
+            raise UsageError(f"{name}: has no property '{key}'{did_you_mean(key, dir(native))}")
         current = getattr(native, key)
         if isinstance(value, str) != isinstance(current, str):  # float("1") is a number, too
             raise UsageError(f"{key}: {value!r} does not fit a {name}")
@@ -323,7 +323,10 @@ class Records(MutableSequence[R]):
     def __getitem__(self, index: int | slice) -> R | list[R]:
         if isinstance(index, slice):
             return [self._of._in(self._scene, i) for i in range(len(self))[index]]
-        return self._of._in(self._scene, range(len(self))[operator.index(index)])
+        number, count = operator.index(index), len(self)
+        if not -count <= number < count:
+            raise IndexError(f"{self._of._kind}: has {count}, not a number {number}")
+        return self._of._in(self._scene, number % count)
 
     def _natives(self) -> list[Any]:
         return [record._native() for record in self]

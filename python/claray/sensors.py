@@ -38,14 +38,16 @@ RETURN = np.dtype([("point", "3f4"), ("intensity", "f4"), ("range", "f4"), ("vel
 primitive are claray.MISS."""
 
 
-def _count(name: str, value: Any, least: int = 1) -> int:
-    return integer(name, value, least, 2**32 - 1)
+def _count(name: str, value: Any, least: int = 1, most: int = 2**32 - 1) -> int:
+    return integer(name, value, least, most)
 
 
 def _angles(name: str, value: Any) -> NDArray[np.float64]:
     array = np.atleast_1d(as_array(name, value))
     if array.dtype.kind not in "fiu" or array.ndim != 1:
         raise UsageError(f"{name}: has dtype {array.dtype} and shape {array.shape}; use angles in degrees, of shape (N,)")
+    if array.size == 0:
+        raise UsageError(f"{name}: is empty; use at least one angle in degrees")
     return np.radians(array.astype(np.float64))
 
 
@@ -279,14 +281,17 @@ class Sensor(Handle):
             raise UsageError(f"pattern: is a {type(pattern).__name__}; use a claray.sensors.Pattern")
         check_choice("frame", frame, ("sensor", "world"))
         check_choice("order", order, ("strongest", "first", "last"))
-        angles = np.radians(_numbers("divergence", divergence, (1, 2)))
+        degrees = _numbers("divergence", divergence, (1, 2))
+        if (degrees < 0).any() or (degrees > 57).any():
+            raise UsageError(f"divergence: is {divergence!r}; use degrees from 0 to 57")
+        angles = np.radians(degrees)
         numbers = {name: number(name, value) for name, value in (
             ("nearest", nearest), ("farthest", farthest), ("range_resolution", range_resolution),
             ("velocity_resolution", velocity_resolution), ("range_noise", range_noise), ("velocity_noise", velocity_noise),
             ("intensity_noise", intensity_noise), ("dropout", dropout), ("reference_range", reference_range), ("extinction", extinction),
             ("least_intensity", least_intensity), ("duration", duration))}
         config = set_all(_native.NativeSensorConfig(), "Sensor", {
-            "rays": _count("rays", rays), "returns": _count("returns", returns), "order": order,
+            "rays": _count("rays", rays, most=64), "returns": _count("returns", returns), "order": order,
             "divergence": [float(angles[0]), float(angles[-1])], "in_world": frame == "world", "seed": _count("seed", seed, 0), **numbers})
         config.set_pattern(pattern.rows, pattern.columns, pattern._beams)
         self._world, self._pattern, self._returns = world, pattern, int(returns)

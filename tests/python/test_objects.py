@@ -39,7 +39,7 @@ def test_elements_that_are_gone_are_refused():
     refused("material", lambda: last.name, "any more")
     refused("material", lambda: setattr(last, "name", "x"), "any more")
     assert len(scene.materials) == 1
-    with pytest.raises(IndexError):
+    with pytest.raises(IndexError, match="^material: has 1, not a number 1$"):
         scene.materials[1]
 
 

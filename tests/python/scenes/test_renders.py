@@ -79,7 +79,7 @@ def test_options_change_the_image():
 def test_wrong_options_are_named():
     scene = claray.load("cornell")
     make = lambda **options: lambda: claray.Renderer(scene, **options)
-    refused("widht", make(widht=4), "unknown option")
+    refused("widht", make(widht=4), "unknown option of a render; did you mean 'width'?")
     refused("spp", make(spp=True), "a number")
     refused("spp", make(spp=-1))
     refused("adaptive", make(adaptive="yes"), "True or False")
