@@ -29,6 +29,7 @@ TEST(BrokenKernels, AreReportedInAFile) {
     // Some drivers' compilers print how many errors there were on a line of their own before.
     EXPECT_NE(result.errors.find("claray: error: cannot compile the kernel render/shade_surface.cl"), std::string::npos)
         << result.errors;
+    EXPECT_NE(result.errors.find("no kernel"), std::string::npos) << "the compiler's reason: " << result.errors;
     const std::size_t at = result.errors.find("the log is in ");
     ASSERT_NE(at, std::string::npos) << result.errors;
     const std::string path = result.errors.substr(at + 14, result.errors.size() - at - 15);

@@ -114,15 +114,24 @@ std::string with_file_names(std::string log, const KernelSource& main) {
     return log;
 }
 
+/// The first line of a compiler's log that tells of an error, after ": "; empty if none does. Cut to one that a
+/// terminal shows.
+std::string first_error(const std::string& log) {
+    const std::size_t at = log.find("error:");
+    if (at == std::string::npos) return {};
+    const std::size_t begin = log.rfind('\n', at) + 1;  // npos + 1 is the begin of the log
+    return ": " + log.substr(begin, std::min<std::size_t>(log.find('\n', at) - begin, 160));
+}
+
 [[noreturn]] void throw_build_error(const Device& device, const KernelSource& main, const std::string& options,
                                     const std::string& log) {
     if (is_pocl(device) && pocl_disk_is_full())
         throw Error(ErrorKind::device, "cannot compile the kernel " + main.path + ": the disk of PoCL's folder is full",
                     "free some space, or set POCL_CACHE_DIR to a folder with more");
-    throw Error(
-        ErrorKind::device,
-        "cannot compile the kernel " + main.path + " for " + device.info().name + " with options '" + options + "'", {},
-        failure_report(device, main.path + ' ' + options) + "log:\n" + with_file_names(log, main));
+    const std::string named = with_file_names(log, main);
+    throw Error(ErrorKind::device,
+                "cannot compile the kernel " + main.path + " for " + device.info().name + first_error(named), {},
+                failure_report(device, main.path + ' ' + options) + "log:\n" + named);
 }
 
 /// Compiles with the included files as named headers, so that #include works on every driver and messages keep file and
