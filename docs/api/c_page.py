@@ -156,6 +156,8 @@ def generated(faults: list[str]) -> str:
 
 
 def main() -> int:
+    if sys.argv[1:] not in ([], ["--check"]):
+        sys.exit("c_page.py: use no argument, or --check")
     faults: list[str] = []
     text = page.read_text()
     prose = text[:text.index(begin) + len(begin)]

@@ -46,6 +46,7 @@ def build(python, folder):
     """The wheel as it is built, which still needs the libraries of this system, and nanobind's licence."""
     version = run(python, "-c", "import sys; print('%d.%d' % sys.version_info[:2])", stdout=subprocess.PIPE).stdout.strip()
     inner = environment(python, "python" + version, BUILD)
+    print(f"make.py: building for Python {version}; this takes minutes", file=sys.stderr, flush=True)
     run(inner, "-m", "pip", "wheel", "-q", "--disable-pip-version-check", "--no-deps", "--no-build-isolation", "-w", folder,
         "--config-settings=build-dir=" + str(WORK / "cmake"), ROOT)
     return next(folder.glob("*.whl")), next(inner.parents[1].glob("lib/python*/site-packages/nanobind-*.dist-info/licenses/LICENSE"))
