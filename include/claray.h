@@ -1321,7 +1321,7 @@ CLARAY_API claray_status claray_tone_map_apply(const float* radiance, size_t cou
                                                uint8_t* srgb);
 /* The inverse of the sRGB curve, 0..1. */
 CLARAY_API float claray_linear_from_srgb(uint8_t value);
-/* Writes linear RGB by extension: .png (tone mapped), .hdr, .pfm or .exr. */
+/* Writes linear RGB by extension: .png, .jpg and .webp (tone mapped), .hdr, .pfm or .exr. */
 CLARAY_API claray_status claray_write_image(const char* path, const float* rgb, uint32_t width, uint32_t height,
                                             const claray_picture_config* config);
 /* The errors of claray_write_image for this path. Call it before rendering. */

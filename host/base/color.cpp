@@ -21,15 +21,15 @@ double decode_srgb(double encoded) {
     return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
 }
 
+double srgb_curve(double linear) {
+    if (!(linear > 0.0)) return 0.0;
+    if (linear >= 1.0) return 1.0;
+    return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
+}
+
 float tone_mapped(float linear, ToneMap tone_map) { return tone_map == ToneMap::aces ? aces(linear) : linear; }
 
-std::uint8_t srgb_from_linear(float linear) {
-    if (!(linear > 0.f)) return 0;  // NaN too
-    if (linear >= 1.f) return 255;
-    const double x = linear;
-    const double encoded = x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1.0 / 2.4) - 0.055;
-    return std::uint8_t(std::lround(255.0 * encoded));
-}
+std::uint8_t srgb_from_linear(float linear) { return std::uint8_t(std::lround(255.0 * srgb_curve(linear))); }
 
 float linear_from_srgb(std::uint8_t value) { return float(decode_srgb(value / 255.0)); }
 

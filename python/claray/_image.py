@@ -53,7 +53,7 @@ class Image(np.ndarray):
 
     def save(self, path: str | os.PathLike[str], exposure: float | None = None, tone_map: ToneMap | None = None, *,
              layers: Mapping[str, ArrayLike] | None = None) -> None:
-        """Writes .png (tone mapped), .hdr, .pfm or .exr (linear) by the extension.
+        """Writes .png, .jpg, .webp (tone mapped), .hdr, .pfm or .exr (linear) by the extension.
 
         layers: of an EXR, by their names, such as Renderer.aovs(): (height, width) or (height, width, 3) floats or integers. Raises
         InputError if the file cannot be written.

@@ -1,35 +1,50 @@
-// Images to PNG, Radiance HDR, PFM and OpenEXR.
+// Images to files of all formats.
 #include <algorithm>
 #include <bit>
 #include <cctype>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "claray/error.hpp"
 #include "claray/io.hpp"
+#include "host/base/color.hpp"
 #include "host/base/file.hpp"
 #include "host/io/image/exr.hpp"
-#include "host/io/image/stb_image_write.hpp"
+#include "host/io/image/write/encode.hpp"
 
 namespace claray {
 namespace {
 
 namespace fs = std::filesystem;
 
-enum class ImageFormat { png, hdr, pfm, exr };
+/// Libraries count bytes with int.
+constexpr unsigned most_pixels_a_side = 1u << 14, most_pixels_of_webp = (1u << 14) - 1;
 
-/// stb_image_write counts bytes with int.
-constexpr unsigned most_pixels_a_side = 1u << 14;
+std::string extensions() {
+    std::string text;
+    for (const ImageFormatTraits& traits : image_formats)
+        text += (text.empty() ? "." : ", .") + std::string(traits.name);
+    return text;
+}
 
-ImageFormat image_format_of(const fs::path& path) {
-    std::string extension = path.extension().string();
-    for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
-    if (extension == ".png") return ImageFormat::png;
-    if (extension == ".hdr") return ImageFormat::hdr;
-    if (extension == ".pfm") return ImageFormat::pfm;
-    if (extension == ".exr") return ImageFormat::exr;
-    throw Error(ErrorKind::usage, "cannot write '" + path.string() + "': unknown image format '" + extension + "'",
-                "use the extension .png, .hdr, .pfm or .exr");
+/// Throws what is wrong with the encoding of a file, but for the image's size.
+ImageFormat checked_format(const fs::path& path, const ImageEncoding& encoding) {
+    const auto refuse = [&](const std::string& why, const std::string& remedy) {
+        throw Error(ErrorKind::usage, "cannot write '" + path.string() + "': " + why, remedy);
+    };
+    const auto format = encoding.format ? encoding.format : image_format_of(path);
+    if (!format)
+        refuse("unknown image format '" + path.extension().string() + "'", "use one of the extensions " + extensions());
+    if (encoding.png_bits != 8 && encoding.png_bits != 16)
+        refuse("a PNG has no " + std::to_string(encoding.png_bits) + " bits a channel", "choose 8 or 16");
+    if (encoding.quality < 1 || encoding.quality > 100)
+        refuse("its quality is " + std::to_string(encoding.quality), "choose 1 to 100");
+    if (encoding.lossless && format == ImageFormat::jpeg)
+        refuse("a JPEG loses some of each image", "write a .webp or a .png");
+    if (format == ImageFormat::exr) require_exr(path.string());
+    if (format == ImageFormat::webp) require_webp(path.string());
+    return *format;
 }
 
 void check_size(const fs::path& path, unsigned width, unsigned height, std::size_t values, unsigned limit) {
@@ -49,16 +64,36 @@ void write_encoded(const fs::path& path, const std::string& bytes) {
     write_file(path, bytes);
 }
 
-std::string png_bytes(const Image& image, float exposure, ToneMap tone_map) {
+/// The numbers of a picture: 8 or 16 bits each, red, green and blue of each pixel.
+template <class Number>
+std::vector<Number> picture_of(const Image& image, float exposure, ToneMap tone_map) {
     const float gain = std::exp2(exposure);
-    std::vector<std::uint8_t> bytes;
-    bytes.reserve(3 * image.pixels.size());
+    std::vector<Number> numbers;
+    numbers.reserve(3 * image.pixels.size());
     for (const glm::vec3& pixel : image.pixels)
         for (int k = 0; k < 3; ++k) {
-            const float value = gain * pixel[k];
-            bytes.push_back(srgb_from_linear(tone_mapped(value, tone_map)));
+            const double encoded = srgb_curve(tone_mapped(gain * pixel[k], tone_map));
+            numbers.push_back(Number(std::lround(encoded * std::numeric_limits<Number>::max())));
         }
-    return encode_png(image.width, image.height, 3, bytes);
+    return numbers;
+}
+
+std::string png16_bytes(const Image& image, float exposure, ToneMap tone_map) {
+    const auto words = picture_of<std::uint16_t>(image, exposure, tone_map);
+    const auto* const bytes = reinterpret_cast<const std::uint8_t*>(words.data());
+    return encode_png(image.width, image.height, 3, {bytes, words.size() * sizeof words[0]}, 16);
+}
+
+/// Of the formats of 8 bits.
+std::string picture_bytes(ImageFormat format, const Image& image, float exposure, ToneMap tone_map,
+                          const ImageEncoding& encoding) {
+    const auto bytes = picture_of<std::uint8_t>(image, exposure, tone_map);
+    switch (format) {
+        case ImageFormat::jpeg: return encode_jpeg(image.width, image.height, 3, bytes, encoding.quality);
+        case ImageFormat::webp:
+            return encode_webp(image.width, image.height, bytes, encoding.quality, encoding.lossless);
+        default: return encode_png(image.width, image.height, 3, bytes);
+    }
 }
 
 std::string hdr_bytes(const Image& image) {
@@ -88,19 +123,37 @@ std::string pfm_bytes(unsigned width, unsigned height, unsigned channels, const 
 
 }  // namespace
 
-void write_image(const fs::path& path, const Image& image, float exposure, ToneMap tone_map) {
-    const ImageFormat format = image_format_of(path);
-    check_size(path, image.width, image.height, image.pixels.size(), most_pixels_a_side);
+std::optional<ImageFormat> image_format_of(const fs::path& path) {
+    std::string extension = path.extension().string();
+    for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+    for (const ImageFormatTraits& traits : image_formats)
+        if (extension == "." + std::string(traits.name)) return traits.format;
+    return {};
+}
+
+std::string encode_image(const fs::path& name, const Image& image, float exposure, ToneMap tone_map,
+                         const ImageEncoding& encoding) {
+    const ImageFormat format = checked_format(name, encoding);
+    check_size(name, image.width, image.height, image.pixels.size(),
+               format == ImageFormat::webp ? most_pixels_of_webp : most_pixels_a_side);
     switch (format) {
-        case ImageFormat::png: return write_encoded(path, png_bytes(image, exposure, tone_map));
-        case ImageFormat::hdr: return write_encoded(path, hdr_bytes(image));
+        case ImageFormat::hdr: return hdr_bytes(image);
+        case ImageFormat::pfm: return pfm_bytes(image.width, image.height, 3, &image.pixels[0].x);
         case ImageFormat::exr: {
             ImageLayer layer;
             layer.values.assign(&image.pixels[0].x, &image.pixels[0].x + 3 * image.pixels.size());
-            return write_exr(path, image.width, image.height, {layer});
+            return encode_exr(image.width, image.height, {layer});
         }
-        case ImageFormat::pfm: return write_file(path, pfm_bytes(image.width, image.height, 3, &image.pixels[0].x));
+        case ImageFormat::png:
+            if (encoding.png_bits == 16) return png16_bytes(image, exposure, tone_map);
+            [[fallthrough]];
+        default: return picture_bytes(format, image, exposure, tone_map, encoding);
     }
+}
+
+void write_image(const fs::path& path, const Image& image, float exposure, ToneMap tone_map,
+                 const ImageEncoding& encoding) {
+    write_encoded(path, encode_image(path, image, exposure, tone_map, encoding));
 }
 
 void write_exr(const fs::path& path, unsigned width, unsigned height, const std::vector<ImageLayer>& layers) {
@@ -120,7 +173,7 @@ void write_pfm(const fs::path& path, unsigned width, unsigned height, const std:
 
 void write_texture(const fs::path& path, const Texture& texture) {
     const bool real = texture.format == TexelFormat::float32;
-    if (image_format_of(path) != (real ? ImageFormat::pfm : ImageFormat::png))
+    if (checked_format(path, {}) != (real ? ImageFormat::pfm : ImageFormat::png))
         throw Error(
             ErrorKind::usage,
             "cannot write '" + path.string() + "': the number of texels does not match the texture's size and format",
@@ -135,8 +188,8 @@ void write_texture(const fs::path& path, const Texture& texture) {
     write_encoded(path, encode_png(texture.width, texture.height, n, texture.bytes));
 }
 
-void check_writable(const fs::path& path) {
-    if (image_format_of(path) == ImageFormat::exr) require_exr(path.string());
+void check_writable(const fs::path& path, const ImageEncoding& encoding) {
+    static_cast<void>(checked_format(path, encoding));
     check_file_writable(path);
 }
 

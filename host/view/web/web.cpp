@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "host/base/format.hpp"
-#include "host/io/image/stb_image_write.hpp"
+#include "host/io/image/write/encode.hpp"
 #include "host/view/http/http.hpp"
 #include "host/view/input.hpp"
 #include "host/view/web/exchange.hpp"
@@ -15,7 +15,7 @@
 namespace claray::view {
 namespace {
 
-constexpr int jpeg_quality = 90;
+constexpr unsigned jpeg_quality = 90;
 
 void replace(std::string& text, const std::string& name, const std::string& by) {
     text.replace(text.find(name), name.size(), by);
@@ -107,7 +107,7 @@ private:
 };
 
 void publish(Exchange& exchange, const Frame& frame, const Told& told) {
-    exchange.publish(encode_jpeg(frame.width, frame.height, frame.pixels, jpeg_quality),
+    exchange.publish(encode_jpeg(frame.width, frame.height, 4, frame.pixels, jpeg_quality),
                      printed("%ux%u, %u samples per pixel", frame.width, frame.height, frame.spp) + "\n" + told.line());
 }
 
@@ -127,7 +127,7 @@ void render_loop(View& view, Exchange& exchange, const WebConfig& config) {
         shown = frame.complete;
         if (std::exchange(number, frame.number) == frame.number) continue;
         if (exchange.wants_picture())
-            exchange.give_picture(encode_png(frame.width, frame.height, 4, {frame.pixels.begin(), frame.pixels.end()}));
+            exchange.give_picture(encode_png(frame.width, frame.height, 4, frame.pixels));
         publish(exchange, frame, told);
     }
 }

@@ -12,8 +12,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <memory>
 
 #include "claray/io.hpp"
@@ -72,6 +74,109 @@ TEST(Image, PngIsExposedAndToneMapped) {
     EXPECT_EQ(bytes.at(6), 255);
     EXPECT_EQ(bytes.at(7), 255);
     EXPECT_EQ(bytes.at(8), 0) << "NaN";
+}
+
+TEST(Image, PngOf16BitsHoldsTheExactSrgbValues) {
+    const TemporaryFolder folder;
+    const Image image = test_image();
+    ImageEncoding encoding;
+    encoding.png_bits = 16;
+    write_image(folder / "a.png", image, 0.f, ToneMap::none, encoding);
+    int width = 0, height = 0, channels = 0;
+    const std::unique_ptr<stbi_us, Freed<stbi_us>> words(
+        stbi_load_16((folder / "a.png").c_str(), &width, &height, &channels, 0));
+    ASSERT_TRUE(words && width == 7 && height == 5 && channels == 3);
+    EXPECT_TRUE(stbi_is_16_bit((folder / "a.png").c_str()));
+    for (std::size_t i = 0; i < image.pixels.size(); ++i)
+        for (int k = 0; k < 3; ++k) {
+            const double x = std::clamp(double(image.pixels[i][k]), 0.0, 1.0);  // IEC 61966-2-1, written anew
+            const double curve = x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055;
+            EXPECT_EQ(words.get()[3 * i + std::size_t(k)], std::lround(65535 * curve));
+        }
+}
+
+/// The largest difference of a byte in two images.
+int largest_difference(const std::vector<std::uint8_t>& a, const std::vector<std::uint8_t>& b) {
+    int largest = a.size() == b.size() ? 0 : 256;
+    for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
+        largest = std::max(largest, std::abs(int(a[i]) - int(b[i])));
+    return largest;
+}
+
+/// What write_image makes of the pixels as a PNG.
+std::vector<std::uint8_t> bytes_of(const Image& image) {
+    std::vector<std::uint8_t> bytes;
+    for (const glm::vec3& pixel : image.pixels)
+        for (int k = 0; k < 3; ++k) bytes.push_back(srgb_from_linear(pixel[k]));
+    return bytes;
+}
+
+TEST(Image, JpegIsNearWhatItShows) {
+    const TemporaryFolder folder;
+    const Image image = test_image(40, 23);
+    int width = 0, height = 0;
+    const auto difference = [&](unsigned quality) {
+        ImageEncoding encoding;
+        encoding.quality = quality;
+        write_image(folder / "a.jpg", image, 0.f, ToneMap::none, encoding);
+        const int found = largest_difference(read_png(folder / "a.jpg", width, height), bytes_of(image));
+        EXPECT_TRUE(width == 40 && height == 23);
+        return found;
+    };
+    EXPECT_LE(difference(100), 4);
+    EXPECT_GT(difference(10), 10);
+    // Stripes of a pixel in red and blue of equal luminance are lost where colours have half the pixels.
+    Image stripes{32, 32, {}};
+    for (unsigned i = 0; i < 32 * 32; ++i) stripes.pixels.push_back(i % 2 ? glm::vec3(0.3f, 0, 0) : glm::vec3(0, 0, 1));
+    const auto red_of = [&](unsigned quality) {
+        ImageEncoding encoding;
+        encoding.quality = quality;
+        write_image(folder / "b.jpeg", stripes, 0.f, ToneMap::none, encoding);
+        return int(read_png(folder / "b.jpeg", width, height).at(3 * (16 * 32 + 15)));
+    };
+    EXPECT_NEAR(red_of(91), srgb_from_linear(0.3f), 20);
+    EXPECT_LT(red_of(90), srgb_from_linear(0.3f) - 40);
+}
+
+#if CLARAY_WITH_WEBP
+TEST(Image, WebpIsNearWhatItShowsOrExact) {
+    const TemporaryFolder folder;
+    const Image image = test_image(40, 23);
+    ImageEncoding encoding;
+    write_image(folder / "a.webp", image, 0.f, ToneMap::none, encoding);
+    const int difference = largest_difference(load_image(folder / "a.webp").bytes, bytes_of(image));
+    EXPECT_TRUE(difference > 0 && difference < 40) << difference;
+    encoding.lossless = true;
+    write_image(folder / "a.webp", image, 0.f, ToneMap::none, encoding);
+    EXPECT_EQ(load_image(folder / "a.webp").bytes, bytes_of(image));
+    expect_error(ErrorKind::usage, {"16384x1", "1 to 16383"}, [&] {
+        write_image(folder / "b.webp", Image{16384, 1, std::vector<glm::vec3>(16384)});
+    });
+}
+#else
+TEST(Image, WithoutLibwebpAWebpIsRefused) {
+    const TemporaryFolder folder;
+    expect_error(ErrorKind::usage, {"a.webp", "libwebp"}, [&] { write_image(folder / "a.webp", test_image()); });
+}
+#endif
+
+TEST(Image, SettingsThatAFormatDoesNotHaveAreRefused) {
+    const TemporaryFolder folder;
+    const auto refused = [&](const char* name, const ImageEncoding& encoding, const char* words) {
+        expect_error(ErrorKind::usage, {name, words}, [&] { check_writable(folder / name, encoding); });
+        expect_error(ErrorKind::usage, {name, words},
+                     [&] { write_image(folder / name, test_image(), 0.f, ToneMap::aces, encoding); });
+    };
+    ImageEncoding lossless, bits, quality;
+    lossless.lossless = true, bits.png_bits = 12, quality.quality = 101;
+    refused("a.jpg", lossless, "a JPEG loses some");
+    refused("a.png", bits, "12 bits");
+    refused("a.jpg", quality, "quality is 101");
+    EXPECT_EQ(folder.entries(), 0u);
+    ImageEncoding named;
+    named.format = ImageFormat::pfm;
+    write_image(folder / "a.anything", test_image(), 0.f, ToneMap::aces, named);
+    EXPECT_TRUE(test::read_file(folder / "a.anything").starts_with("PF"));
 }
 
 TEST(Image, HdrIsLinearToItsPrecision) {
@@ -149,9 +254,9 @@ TEST(Image, PfmOfOneChannel) {
 TEST(Image, BadNamesAndSizesAreRefused) {
     const TemporaryFolder folder;
     const Image image = test_image();
-    for (const std::string name : {"a.jpg", "a", ".png"})
+    for (const std::string name : {"a.tif", "a", ".png"})
         expect_error(ErrorKind::usage, {name, ".pfm"}, [&] { write_image(folder / name, image); });
-    expect_error(ErrorKind::usage, {"a.jpg"}, [&] { check_writable(folder / "a.jpg"); });
+    expect_error(ErrorKind::usage, {"a.tif"}, [&] { check_writable(folder / "a.tif"); });
     expect_error(ErrorKind::usage, {"0x5"}, [&] { write_image(folder / "a.png", Image{0, 5, {}}); });
     expect_error(ErrorKind::usage, {"0x0"}, [&] { write_image(folder / "a.pfm", Image{}); });
     expect_error(ErrorKind::usage, {"16385x1"}, [&] {
