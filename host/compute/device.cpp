@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
+#include <iterator>
 #include <sstream>
 
+#include "host/base/did_you_mean.hpp"
 #include "host/compute/device_error.hpp"
 #include "host/compute/device_state.hpp"
 #include "host/compute/drivers/driver_setup.hpp"
@@ -111,6 +113,16 @@ bool matches(const DeviceInfo& info, const std::string& selector) {
     return lower(info.name).find(wanted) != std::string::npos;
 }
 
+/// Words that name a device.
+std::vector<std::string> selectors_of(const std::vector<DeviceInfo>& infos) {
+    std::vector<std::string> words = {"cpu", "gpu", "all"};
+    for (const DeviceInfo& info : infos) {
+        std::istringstream name(info.name);
+        words.insert(words.end(), std::istream_iterator<std::string>(name), {});
+    }
+    return words;
+}
+
 std::size_t select(const std::vector<DeviceInfo>& infos, const std::string& selector) {
     if (infos.empty())
         throw Error(ErrorKind::device, "no OpenCL device: platforms exist but none has a device", no_device_remedy());
@@ -124,7 +136,8 @@ std::size_t select(const std::vector<DeviceInfo>& infos, const std::string& sele
     const std::vector<std::string> failing = found.empty() ? failing_drivers() : std::vector<std::string>();
     if (found.size() != 1)
         throw Error(ErrorKind::usage,
-                    (found.empty() ? "no device matches '" : "several devices match '") + selector + "'",
+                    (found.empty() ? "no device matches '" : "several devices match '") + selector + "'" +
+                        (found.empty() ? did_you_mean(selector, selectors_of(infos)) : ""),
                     "available: " + listing(infos) + (failing.empty() ? "" : "; " + failing.front()));
     return found[0];
 }

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "claray/error.hpp"
+#include "host/base/did_you_mean.hpp"
 
 namespace claray {
 namespace {
@@ -38,7 +39,8 @@ std::size_t choose(const GltfFile& file, const char* kind, const std::string& ch
     if (const auto index = index_from(choice); index && *index < names.size()) return *index;
     const std::string what = "'" + file.path.string() + "' has no " + kind;
     if (names.empty()) throw Error(ErrorKind::usage, what, "leave this choice out");
-    throw Error(ErrorKind::usage, what + " " + listed({choice}), "choose one of " + listed(names));
+    throw Error(ErrorKind::usage, what + " " + listed({choice}) + did_you_mean(choice, names),
+                "choose one of " + listed(names));
 }
 
 }  // namespace claray
