@@ -1,6 +1,6 @@
 # cmake --install: libraries, headers, the program, the kernels as data for CLARAY_KERNEL_DIR, and the package files with
 # which find_package(claray) gives claray::claray, claray::io, claray::c, claray::verify and claray::accuracy.
-# Components: library (the shared one), development, program, mpi, license.
+# Components: library (the shared one), development, program, mpi, import, license.
 include(CMakePackageConfigHelpers)
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/claray")
 
@@ -73,6 +73,9 @@ if(TARGET claray_program)
     install(TARGETS claray-http LIBRARY DESTINATION ${plugins} COMPONENT program)
     if(TARGET claray-mpi)
         install(TARGETS claray-mpi LIBRARY DESTINATION ${plugins} COMPONENT mpi)
+    endif()
+    if(TARGET claray_import)
+        install(TARGETS claray_import RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/claray COMPONENT import)
     endif()
 endif()
 if(PROJECT_IS_TOP_LEVEL)

@@ -5,7 +5,7 @@ set(CPACK_PACKAGE_CONTACT "The claray authors <claray@example.org>")
 set(CPACK_PACKAGE_DIRECTORY "${CMAKE_BINARY_DIR}/packages")
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
-set(CPACK_COMPONENTS_ALL library development program mpi)
+set(CPACK_COMPONENTS_ALL library development program mpi import)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
@@ -49,6 +49,8 @@ claray_package(program claray graphics "exact ray queries and path tracing by Op
                "This package contains the program claray.")
 claray_package(mpi claray-mpi graphics "exact ray queries and path tracing by OpenCL (several machines)"
                "With this package claray renders one image on several machines.")
+claray_package(import claray-import graphics "exact ray queries and path tracing by OpenCL (scenes of other programs)"
+               "With this package claray reads FBX, COLLADA, 3DS, OFF and 3MF.")
 # The manual page has the commands of docs/program.md.
 set(manual ".TH CLARAY 1 \"\" \"claray ${PROJECT_VERSION}\"\n.SH NAME\nclaray \\- exact ray queries and path tracing by OpenCL\n.SH SYNOPSIS\n.B claray\n.I COMMAND\n\
 [\\fIOPTION\\fR...]\n.SH COMMANDS\n.B claray COMMAND \\-\\-help\nlists all options of a command.\n")
@@ -76,7 +78,7 @@ set(CPACK_DEBIAN_LIBRARY_PACKAGE_RECOMMENDS "${driver}")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "${library} ${same}, ocl-icd-opencl-dev | opencl-dev, opencl-clhpp-headers, \
 libglm-dev")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "${driver}")
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "claray-mpi, libsdl2-2.0-0")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "claray-import, claray-mpi, libsdl2-2.0-0")
 set(CPACK_DEBIAN_MPI_PACKAGE_DEPENDS "claray ${same}, openmpi-bin")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_NAME} built using CMake")  # CPack puts another one before those of the packages
 include(CPack)

@@ -43,9 +43,9 @@ bool is_mitsuba(const SceneBeginning& file) {
 
 /// A statement that pbrt's files begin with, behind comments.
 bool is_pbrt(const SceneBeginning& file) {
-    constexpr std::array<std::string_view, 12> statements = {
-        "Film", "Camera", "LookAt", "Integrator", "Sampler", "PixelFilter", "Transform", "Scale", "Option", "ColorSpace",
-        "WorldBegin", "AttributeBegin"};
+    constexpr std::array<std::string_view, 12> statements = {"Film",    "Camera",      "LookAt",     "Integrator",
+                                                             "Sampler", "PixelFilter", "Transform",  "Scale",
+                                                             "Option",  "ColorSpace",  "WorldBegin", "AttributeBegin"};
     std::string_view text = file.text;
     for (std::size_t end = 0; !text.empty(); text.remove_prefix(std::min(end + 1, text.size()))) {
         end = std::min(text.find_first_of("\r\n"), text.size());
@@ -56,16 +56,67 @@ bool is_pbrt(const SceneBeginning& file) {
     return false;
 }
 
+bool is_fbx(const SceneBeginning& file) {
+    return file.bytes.starts_with("Kaydara FBX Binary") || file.text.starts_with("; FBX");
+}
+
+bool is_collada(const SceneBeginning& file) {
+    return file.text.starts_with('<') && file.text.substr(0, 4096).find("<COLLADA") != file.text.npos;
+}
+
+/// Its first chunk is all of it.
+bool is_3ds(const SceneBeginning& file) {
+    if (!file.bytes.starts_with("MM") || file.bytes.size() < 6) return false;
+    std::uintmax_t length = 0;
+    for (std::size_t i = 4; i-- > 0;) length = length << 8 | std::uint8_t(file.bytes[2 + i]);
+    return length == file.size;
+}
+
+/// OFF, and with letters for what its vertices have besides: COFF, STCNOFF.
+bool is_off(const SceneBeginning& file) {
+    std::string_view rest = file.text;
+    for (const char* letters : {"ST", "C", "N"})
+        if (rest.starts_with(letters)) rest.remove_prefix(std::string_view(letters).size());
+    return rest.starts_with("OFF") && rest.size() > 3 && std::isspace(static_cast<unsigned char>(rest[3])) != 0;
+}
+
+/// A zip archive that begins with the parts of a 3MF, or names its model.
+bool is_3mf(const SceneBeginning& file) {
+    return file.bytes.starts_with("PK\3\4") && (file.bytes.find("3D/3dmodel.model") != file.bytes.npos ||
+                                                file.bytes.find("3D/3DModel.model") != file.bytes.npos);
+}
+
+bool is_pcd(const SceneBeginning& file) {
+    return file.text.starts_with("# .PCD") || file.text.starts_with("VERSION 0.7") ||
+           file.text.starts_with("VERSION .7");
+}
+
+constexpr const char* use_a_mesh = "export a mesh, such as a PLY with faces, from the program that made them";
+
 constexpr SceneChoices strokes = {.stroke_radius = true};
 constexpr SceneChoices all = {true, true, true, true, true};
+constexpr SceneChoices by_assimp = {.animations = true, .cameras = true, .stroke_radius = true};
+
+/// A row of a format that claray-import reads.
+constexpr SceneReader assimp_reader(const char* name, const char* extensions,
+                                    bool (*recognizes)(const SceneBeginning&) = nullptr) {
+    return {name, extensions, by_assimp, recognizes, load_by_assimp_without_light, assimp_animation_seconds};
+}
 
 /// Vaguer tests of the content stand behind stricter ones.
 constexpr SceneReader readers[] = {
     {"glTF", ".gltf .glb", all, is_gltf, load_gltf_without_light, gltf_animation_seconds},
     {"PLY", ".ply", strokes, is_ply, load_ply_without_light},
     {"STL", ".stl", {}, is_stl, load_stl_without_light},
+    assimp_reader("COLLADA", ".dae .zae", is_collada),
     {"Mitsuba", ".xml", {}, is_mitsuba, load_mitsuba_without_light, nullptr, "", true},
     {"pbrt", ".pbrt", {}, is_pbrt, load_pbrt_without_light, nullptr, "", true},
+    assimp_reader("FBX", ".fbx", is_fbx),
+    assimp_reader("3DS", ".3ds", is_3ds),
+    assimp_reader("OFF", ".off", is_off),
+    assimp_reader("3MF", ".3mf", is_3mf),
+    {"PCD", ".pcd", strokes, is_pcd, load_pcd_without_light},
+    {.name = "a file of Gaussian splats", .extensions = ".splat .ksplat .spz .sog", .remedy = use_a_mesh},
     {"OBJ", ".obj", strokes, is_obj, load_obj_without_light},
 };
 

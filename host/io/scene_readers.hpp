@@ -62,5 +62,17 @@ struct SceneReader {
                                             const LoadOptions& options);
 [[nodiscard]] std::optional<double> gltf_animation_seconds(const std::filesystem::path& path,
                                                            const LoadOptions& options);
+[[nodiscard]] Scene load_pcd_without_light(const std::filesystem::path& path, Warnings& warnings,
+                                           const LoadOptions& options);
+/// What other programs turn into the bytes of a glTF. Messages name `path`, and images are in its folder.
+[[nodiscard]] Scene load_gltf_bytes(const std::filesystem::path& path, std::string_view bytes, Warnings& warnings,
+                                    const LoadOptions& options);
+[[nodiscard]] std::optional<double> gltf_animation_seconds(const std::filesystem::path& path, std::string_view bytes,
+                                                           const LoadOptions& options);
+/// FBX, COLLADA and others, by the program claray-import.
+[[nodiscard]] Scene load_by_assimp_without_light(const std::filesystem::path& path, Warnings& warnings,
+                                                 const LoadOptions& options);
+[[nodiscard]] std::optional<double> assimp_animation_seconds(const std::filesystem::path& path,
+                                                             const LoadOptions& options);
 
 }  // namespace claray

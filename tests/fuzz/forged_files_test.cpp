@@ -6,6 +6,7 @@
 #include <cstring>
 #include <string_view>
 
+#include "host/base/process/process.hpp"
 #include "tests/fuzz/forge_formats.hpp"
 #include "tests/fuzz/targets.hpp"
 #include "tests/support/process.hpp"
@@ -18,6 +19,7 @@ namespace fs = std::filesystem;
 bool run(const char* target, std::span<const std::uint8_t> file) {
     for (const FuzzTarget& each : fuzz_targets())
         if (std::strcmp(each.name, target) == 0) return each.run(file);
+    if (std::strchr(target, '.') != nullptr) return read_scene(target, file);
     ADD_FAILURE() << "no target " << target;
     return false;
 }
@@ -93,6 +95,28 @@ TEST(ForgedScenes, Stl) {
     const std::vector<FileBytes> text = corpus("stl", {"text.stl"}), binary = corpus("stl", {"binary.stl"});
     expect_sound("stl", 300, little, [&](std::uint32_t number) {
         return number % 2 != 0 ? forged_text(text[0], number) : forged(binary[0], number, 0);
+    });
+}
+
+/// What claray-import reads: it may crash, this process may not.
+TEST(ForgedScenes, ByAssimp) {
+    if (!fs::exists(fs::path(claray::this_program()).parent_path() / "claray-import"))
+        GTEST_SKIP() << "claray was built without libassimp-dev";
+    for (const char* name : {"two.dae", "square.fbx", "square.3ds", "square.off", "tetrahedra.3mf"}) {
+        const std::string text = read_file(fs::path(CLARAY_SOURCE_DIR) / "tests/io/assimp/files" / name);
+        const FileBytes good(text.begin(), text.end());
+        const bool is_text = text.find('\0') == text.npos;
+        expect_sound(name, 20, little, [&](std::uint32_t number) {
+            return is_text && number % 2 != 0 ? forged_text(good, number) : forged(good, number, 0);
+        });
+    }
+}
+
+TEST(ForgedScenes, Pcd) {
+    const std::vector<FileBytes> good = corpus("pcd", {"text.pcd", "binary.pcd", "compressed.pcd"});
+    expect_sound("pcd", 300, little, [&](std::uint32_t number) {
+        const FileBytes& file = good[number % 3];
+        return number % 3 == 0 ? forged_text(file, number) : forged(file, number, 0);
     });
 }
 

@@ -109,6 +109,8 @@ bool fuzz_stl(Bytes bytes) {
     });
 }
 
+bool fuzz_pcd(Bytes bytes) { return read_scene("input.pcd", bytes); }
+
 bool fuzz_image(Bytes bytes) {
     const auto path = written("input.image", bytes);
     return expect_result_or_user_error([&] {
@@ -151,13 +153,21 @@ bool fuzz_tuning(Bytes bytes) {
     });
 }
 
-constexpr FuzzTarget targets[] = {
-    {"obj", fuzz_obj},      {"mtl", fuzz_mtl},     {"gltf", fuzz_gltf}, {"ply", fuzz_ply},
-    {"stl", fuzz_stl},      {"image", fuzz_image}, {"tree", fuzz_tree}, {"checkpoint", fuzz_checkpoint},
-    {"tuning", fuzz_tuning}};
+constexpr FuzzTarget targets[] = {{"obj", fuzz_obj},      {"mtl", fuzz_mtl},   {"gltf", fuzz_gltf},
+                                  {"ply", fuzz_ply},      {"stl", fuzz_stl},   {"pcd", fuzz_pcd},
+                                  {"image", fuzz_image},  {"tree", fuzz_tree}, {"checkpoint", fuzz_checkpoint},
+                                  {"tuning", fuzz_tuning}};
 
 }  // namespace
 
 std::span<const FuzzTarget> fuzz_targets() { return targets; }
+
+bool read_scene(const char* name, std::span<const std::uint8_t> bytes) {
+    const auto path = written(name, bytes);
+    return expect_result_or_user_error([&] {
+        Warnings warnings;
+        check(load_scene(path.string(), warnings));
+    });
+}
 
 }  // namespace claray::test

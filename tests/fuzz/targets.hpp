@@ -16,4 +16,7 @@ struct FuzzTarget {
 
 [[nodiscard]] std::span<const FuzzTarget> fuzz_targets();
 
+/// The same for a scene file whose name tells its format. Returns whether it was read.
+[[nodiscard]] bool read_scene(const char* name, std::span<const std::uint8_t> bytes);
+
 }  // namespace claray::test

@@ -41,6 +41,10 @@ def check_program(system):
         wrong.append(f"claray render: {told}")
     system.run("OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 mpirun --oversubscribe -n 2 "
                "claray render cornell -o /tmp/two.png --size 32x32 --spp 4 -q")
+    system.put("scenes", [ROOT / "tests/io/assimp/files/square.off"])
+    told = system.run("claray render /scenes/square.off -o /tmp/square.png --size 32x32 --spp 4")
+    if not re.search(r"square.png: 32x32, 4 spp", told):
+        wrong.append(f"claray render of an OFF: {told}")
     libraries = system.run("ldd /usr/bin/claray").splitlines()
     if len(libraries) > 20:
         wrong.append(f"claray loads {len(libraries)} libraries")
@@ -72,7 +76,7 @@ def main():
         sys.exit(f"packages.py: {sys.argv[1]} has no packages; ./dev deb makes them")
     wrong = lint(packages)
     system = BareSystem(pathlib.Path(sys.argv[2]).resolve(), "bookworm")
-    system.run("dpkg --purge claray-mpi claray libclaray-dev libclaray0 || true")  # of an earlier run
+    system.run("dpkg --purge claray-import claray-mpi claray libclaray-dev libclaray0 || true")  # of an earlier run
     system.put("packages", packages)
     for command in installing():
         system.run(command)

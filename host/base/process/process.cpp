@@ -1,14 +1,20 @@
 #include "host/base/process/process.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <spawn.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
+#include <chrono>
+#include <csignal>
 #include <filesystem>
 #include <initializer_list>
+#include <optional>
 
 extern char** environ;
 
@@ -57,6 +63,89 @@ bool wait_for_process(pid_t id) {
     while (::waitpid(id, &status, 0) < 0)
         if (errno != EINTR) return false;
     return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+namespace {
+
+/// The end of a pipe from which this process reads, until the other end is closed.
+class Reader {
+public:
+    Reader() {
+        if (::pipe2(ends_.data(), O_CLOEXEC) != 0) ends_ = {-1, -1};
+    }
+    ~Reader() {
+        close(0);
+        close(1);
+    }
+    Reader(const Reader&) = delete;
+    Reader& operator=(const Reader&) = delete;
+
+    [[nodiscard]] int other_end() const { return ends_[1]; }
+    void close_other_end() { close(1); }
+    [[nodiscard]] bool is_open() const { return ends_[0] >= 0; }
+    [[nodiscard]] pollfd wanted() const { return {ends_[0], POLLIN, 0}; }
+
+    /// Appends what has arrived.
+    void read(std::string& to) {
+        std::array<char, 1 << 16> bytes;
+        const ssize_t count = ::read(ends_[0], bytes.data(), bytes.size());
+        if (count > 0)
+            to.append(bytes.data(), std::size_t(count));
+        else if (count == 0 || errno != EINTR)
+            close(0);
+    }
+
+private:
+    void close(std::size_t end) {
+        if (ends_[end] >= 0) ::close(ends_[end]);
+        ends_[end] = -1;
+    }
+
+    std::array<int, 2> ends_{-1, -1};
+};
+
+/// Reads both pipes to their ends. Returns why the program must be killed, if it must.
+std::optional<ProgramOutput::End> read_all(Reader& output, Reader& errors, ProgramOutput& result,
+                                           const ProgramLimits& limits) {
+    using Clock = std::chrono::steady_clock;
+    constexpr std::size_t most_errors = 1 << 16;
+    const Clock::time_point end =
+        Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(limits.seconds));
+    while (output.is_open() || errors.is_open()) {
+        const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();
+        if (left <= 0) return ProgramOutput::End::too_slow;
+        std::array<pollfd, 2> files = {output.wanted(), errors.wanted()};
+        if (::poll(files.data(), files.size(), int(std::min<long long>(left, 1000))) <= 0) continue;
+        if (files[0].revents != 0) output.read(result.output);
+        if (files[1].revents != 0) errors.read(result.errors);
+        if (result.output.size() > limits.bytes) return ProgramOutput::End::too_long;
+        result.errors.resize(std::min(result.errors.size(), most_errors));
+    }
+    return {};
+}
+
+}  // namespace
+
+ProgramOutput run_program(std::vector<std::string> arguments, const ProgramLimits& limits) {
+    ProgramOutput result;
+    Reader output, errors;
+    if (!output.is_open() || !errors.is_open()) return result;
+    Files files;
+    files.silence({STDIN_FILENO});
+    files.give(output.other_end(), STDOUT_FILENO);
+    files.give(errors.other_end(), STDERR_FILENO);
+    const pid_t id = files.start(arguments);
+    if (id == 0) return result;
+    output.close_other_end();
+    errors.close_other_end();
+    const std::optional<ProgramOutput::End> excess = read_all(output, errors, result, limits);
+    if (excess) ::kill(id, SIGKILL);
+    int status = 0;
+    while (::waitpid(id, &status, 0) < 0)
+        if (errno != EINTR) return result;
+    result.end = excess.value_or(WIFEXITED(status) ? ProgramOutput::End::exited : ProgramOutput::End::killed);
+    result.code = WIFEXITED(status) ? WEXITSTATUS(status) : WTERMSIG(status);
+    return result;
 }
 
 AnsweringProcess::AnsweringProcess(std::vector<std::string> arguments) {

@@ -15,6 +15,20 @@ namespace claray {
 /// Waits for a process. Returns whether it ended with the exit code 0.
 bool wait_for_process(pid_t id);
 
+/// How a program ended, and what it wrote.
+struct ProgramOutput {
+    enum class End { exited, killed, too_slow, too_long, not_started };
+    End end = End::not_started;
+    int code = 0;  ///< the exit code, or the signal that killed it
+    std::string output, errors;
+};
+struct ProgramLimits {
+    double seconds = 0;     ///< of the clock; a program that takes longer is killed
+    std::size_t bytes = 0;  ///< of its output; a program that writes more is killed, too
+};
+/// Runs a program that reads nothing. Of its standard error the first 64 KiB are kept.
+[[nodiscard]] ProgramOutput run_program(std::vector<std::string> arguments, const ProgramLimits& limits);
+
 /// A program that answers each line of its standard input by one line. It ends when its input does.
 class AnsweringProcess {
 public:

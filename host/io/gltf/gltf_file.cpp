@@ -22,6 +22,7 @@ namespace fs = std::filesystem;
 using std::to_string;
 
 constexpr std::string_view known_extensions[] = {
+    "CLARAY_attenuation",
     "EXT_mesh_gpu_instancing",
     "KHR_materials_variants",
     "KHR_lights_punctual",
@@ -179,10 +180,12 @@ std::string_view GltfFile::view(int index, const std::string& what) const {
 }
 
 GltfFile read_gltf(const fs::path& path, Warnings& warnings) {
+    return read_gltf(path, read_file(path, "check the path"), warnings);
+}
+
+GltfFile read_gltf(const fs::path& path, std::string_view bytes, Warnings& warnings) {
     GltfFile file;
     file.path = path;
-    const std::string whole = read_file(path, "check the path");
-    const std::string_view bytes = whole;
     if (bytes.empty()) file.fail("the file is empty");
     refuse_other_encodings(bytes, path);
     const GltfContainer parts = open_container(bytes, file);

@@ -21,6 +21,8 @@ struct GltfFile {
 
 /// Reads a .gltf or .glb and the buffers it names. Unknown extensions: an error where required, a warning where used.
 [[nodiscard]] GltfFile read_gltf(const std::filesystem::path& path, Warnings& warnings);
+/// The same of bytes. What they name is in the folder of `path`, which messages name.
+[[nodiscard]] GltfFile read_gltf(const std::filesystem::path& path, std::string_view bytes, Warnings& warnings);
 
 /// "kind 'name'", or "kind INDEX" where it has none.
 [[nodiscard]] std::string gltf_name(const char* kind, const std::string& name, std::size_t index);

@@ -285,6 +285,8 @@ int GltfMaterials::source_of(const tinygltf::Texture& texture, const std::string
     const int webp = CLARAY_WITH_WEBP ? index_in(extension(texture.extensions, "EXT_texture_webp"), "source", -1) : -1;
     if (webp >= 0) return webp;
     if (texture.source >= 0) return texture.source;
+    const int basis = index_in(extension(texture.extensions, "KHR_texture_basisu"), "source", -1);
+    if (basis >= 0) return basis;
     if (texture.extensions.empty()) return -1;
     file_.fail(name + " only has an image of the extension '" + texture.extensions.begin()->first +
                    "', which claray cannot decode",

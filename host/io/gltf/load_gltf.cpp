@@ -218,6 +218,20 @@ void Loader::add_camera(const std::vector<PlacedNode>& nodes) {
                             " is used: choose another with --file-camera");
 }
 
+/// CLARAY_attenuation: `constants` a0, a1, a2 of 1 / (a0 + a1 d + a2 d^2) instead of the inverse square.
+glm::vec3 attenuation_of(const tinygltf::Light& light, const std::string& name, const GltfFile& file) {
+    const auto found = light.extensions.find("CLARAY_attenuation");
+    glm::vec3 constants{0.f, 0.f, 1.f};
+    if (found == light.extensions.end()) return constants;
+    const tinygltf::Value& values = found->second.Get("constants");
+    for (int k = 0; k < 3; ++k) {
+        const tinygltf::Value& value = values.Get(std::size_t(k));
+        if (!value.IsNumber()) file.fail(name + " needs three constants of attenuation");
+        constants[k] = float(value.GetNumberAsDouble());
+    }
+    return constants;
+}
+
 /// KHR_lights_punctual. Its candela and lux are taken as W / sr and W / m^2, as emissive factors are as radiance.
 void Loader::add_light(const PlacedNode& node) {
     const auto found = node.node->extensions.find("KHR_lights_punctual");
@@ -241,6 +255,7 @@ void Loader::add_light(const PlacedNode& node) {
     for (int k = 0; k < 3; ++k)
         light.intensity[k] = float(source.intensity * (source.color.size() < 3 ? 1.0 : source.color[std::size_t(k)]));
     if (light.kind != LightKind::directional) light.range = float(source.range);
+    light.attenuation = attenuation_of(source, name, file_);
     if (light.kind == LightKind::spot) {
         light.inner_angle = float(source.spot.innerConeAngle);
         light.outer_angle = float(source.spot.outerConeAngle);
@@ -375,12 +390,9 @@ void Loader::warn() {
     warn_if(without_joints_, "nodes have skins, but their meshes have no joints: the transform of the node is used");
 }
 
-}  // namespace
-
-Scene load_gltf_without_light(const std::filesystem::path& path, Warnings& warnings, const LoadOptions& options) try {
+Scene scene_of(GltfFile file, Warnings& warnings, const LoadOptions& options) {
     Scene scene;
-    scene.name = path.stem().string();
-    GltfFile file = read_gltf(path, warnings);
+    scene.name = file.path.stem().string();
     pose(file, options, warnings);
     Loader(file, options, scene, warnings).load();
     if (scene.meshes.empty() && scene.primitives.empty())
@@ -388,17 +400,40 @@ Scene load_gltf_without_light(const std::filesystem::path& path, Warnings& warni
     try {
         validate(scene);
     } catch (const Error& error) {
-        throw Error(error.kind(), "'" + path.string() + "': " + error.what());
+        throw Error(error.kind(), "'" + file.path.string() + "': " + error.what());
     }
     return scene;
-} catch (const std::bad_alloc&) {
+}
+
+[[noreturn]] void refuse_size(const std::filesystem::path& path) {
     throw Error(ErrorKind::user, "'" + path.string() + "': there is not enough memory to load it",
                 "use a smaller scene");
+}
+
+}  // namespace
+
+Scene load_gltf_without_light(const std::filesystem::path& path, Warnings& warnings, const LoadOptions& options) try {
+    return scene_of(read_gltf(path, warnings), warnings, options);
+} catch (const std::bad_alloc&) {
+    refuse_size(path);
+}
+
+Scene load_gltf_bytes(const std::filesystem::path& path, std::string_view bytes, Warnings& warnings,
+                      const LoadOptions& options) try {
+    return scene_of(read_gltf(path, bytes, warnings), warnings, options);
+} catch (const std::bad_alloc&) {
+    refuse_size(path);
 }
 
 std::optional<double> gltf_animation_seconds(const std::filesystem::path& path, const LoadOptions& options) {
     Warnings ignored;  // they are those of loading
     return seconds_of_animation(read_gltf(path, ignored), options);
+}
+
+std::optional<double> gltf_animation_seconds(const std::filesystem::path& path, std::string_view bytes,
+                                             const LoadOptions& options) {
+    Warnings ignored;
+    return seconds_of_animation(read_gltf(path, bytes, ignored), options);
 }
 
 }  // namespace claray

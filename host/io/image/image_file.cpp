@@ -17,6 +17,7 @@
 #include "host/io/image/formats/radiance.hpp"
 #include "host/io/image/formats/tga.hpp"
 #include "host/io/image/jpeg_read.hpp"
+#include "host/io/image/ktx2_read.hpp"
 #include "host/io/image/png_read.hpp"
 #include "host/io/image/webp_read.hpp"
 
@@ -183,6 +184,7 @@ struct ByteFormat {
 };
 constexpr ByteFormat byte_formats[] = {{is_jpeg, read_jpeg_header, read_jpeg_pixels},
                                        {is_webp, read_webp_header, read_webp_pixels},
+                                       {is_ktx2, read_ktx2_header, read_ktx2_pixels},
                                        {is_bmp, read_bmp_header, read_bmp_pixels}};
 /// A TGA has no signature: what is no other format may be one.
 constexpr ByteFormat tga_format = {is_tga, read_tga_header, read_tga_pixels};

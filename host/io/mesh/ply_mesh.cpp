@@ -60,6 +60,9 @@ int list_of(const PlyElement& element, std::initializer_list<std::string_view> n
 void PlyMesh::read_vertices(const PlyElement& element) {
     const VertexColumns columns(element);
     if (!columns.has_positions()) reader_->refuse("the vertices lack x, y or z", "export the mesh again");
+    if (element.find({"f_dc_0"}) >= 0)
+        reader_->refuse("these are Gaussian splats, which claray does not render",
+                        "export a mesh from the program that made them");
     PlyColors colors(element);
     for (std::uint64_t i = 0; i < element.count; ++i) {
         reader_->read_row(element, row_, lists_);

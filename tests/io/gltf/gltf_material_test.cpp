@@ -6,6 +6,7 @@
 #include <random>
 
 #include "claray/io.hpp"
+#include "host/io/image/ktx2_read.hpp"
 #include "tests/io/expect_error.hpp"
 #include "tests/io/gltf/gltf_builder.hpp"
 #include "tests/io/image/encoded_images.hpp"
@@ -38,6 +39,12 @@ protected:
     }
     void refuse(const json& material, std::initializer_list<std::string> words) {
         expect_error(ErrorKind::user, words, [&] { static_cast<void>(load(material)); });
+    }
+    void texture_of_basis(const std::string& bytes) {
+        static_cast<void>(folder.file("wall.ktx2", bytes));
+        builder.root["images"] = json::array({{{"uri", "wall.ktx2"}, {"mimeType", "image/ktx2"}}});
+        builder.root["textures"] = json::array({{{"extensions", {{"KHR_texture_basisu", {{"source", 0}}}}}}});
+        builder.root["extensionsUsed"] = builder.root["extensionsRequired"] = {"KHR_texture_basisu"};
     }
     static json base_texture(const json& info) { return {{"pbrMetallicRoughness", {{"baseColorTexture", info}}}}; }
 
@@ -245,7 +252,7 @@ TEST_F(GltfMaterial, OtherContainersOfImages) {
     builder.texture(palette_uri);
     builder.push("images", {{"uri", "never-opened.ktx2"}, {"mimeType", "image/ktx2"}});
     json& texture = builder.root["textures"][0];
-    for (const char* extension : {"KHR_texture_basisu", "EXT_texture_avif", "MSFT_texture_dds"}) {
+    for (const char* extension : {"EXT_texture_avif", "MSFT_texture_dds"}) {
         texture = {{"source", 0}, {"extensions", {{extension, {{"source", 1}}}}}};
         builder.root["extensionsUsed"] = builder.root["extensionsRequired"] = {extension};
         EXPECT_EQ(load(base_texture({{"index", 0}})).textures.at(0).bytes[0], 200u) << extension;
@@ -253,9 +260,31 @@ TEST_F(GltfMaterial, OtherContainersOfImages) {
         texture.erase("source");
         refuse(base_texture({{"index", 0}}), {"scene.gltf", "texture 0", extension, "PNG or JPEG"});
     }
-    texture = {{"source", 1}};
-    static_cast<void>(folder.file("never-opened.ktx2", "\xabKTX 20\xbb\r\n\x1a\n and more"));
-    refuse(base_texture({{"index", 0}}), {"never-opened.ktx2", "KHR_texture_basisu"});
+}
+
+/// libktx is found while the program runs, if at all.
+TEST_F(GltfMaterial, BasisImages) {
+    const std::string bytes =
+        test::read_file(std::filesystem::path(CLARAY_SOURCE_DIR) / "tests/fuzz/corpus/image/basis.ktx2");
+    texture_of_basis(bytes);
+    const json use = base_texture({{"index", 0}});
+    if (!can_read_ktx2()) {
+        refuse(use, {"wall.ktx2", "KHR_texture_basisu", "libktx is not installed", "CLARAY_KTX"});
+        GTEST_SKIP() << "libktx is not installed";
+    }
+    const Texture texture = load(use).textures.at(0);
+    ASSERT_EQ(texture.width, 16u);
+    ASSERT_EQ(texture.height, 8u);
+    ASSERT_EQ(texture.channels, 4u);
+    const auto texel = [&](unsigned x, unsigned y) { return &texture.bytes[4 * (y * 16 + x)]; };
+    EXPECT_NEAR(texel(2, 2)[0], 200, 12) << "red at the top left";
+    EXPECT_NEAR(texel(13, 2)[1], 200, 12) << "green at the top right";
+    EXPECT_NEAR(texel(2, 6)[2], 200, 12) << "blue at the bottom left";
+    EXPECT_EQ(texel(2, 2)[3], 255);
+    for (const std::size_t kept : {12u, 60u, 100u}) {
+        texture_of_basis(bytes.substr(0, kept));
+        refuse(use, {"wall.ktx2"});
+    }
 }
 
 #if CLARAY_WITH_WEBP

@@ -23,7 +23,6 @@ constexpr Signature signatures[] = {
     {"II+\0"sv, 0, "a BigTIFF image", Remedy::exr},
     {"MM\0+"sv, 0, "a BigTIFF image", Remedy::exr},
     {"\xabKTX 11\xbb"sv, 0, "a KTX texture", Remedy::ktx},
-    {"\xabKTX 20\xbb"sv, 0, "a KTX 2 texture (KHR_texture_basisu)", Remedy::ktx},
     {"sB"sv, 0, "a Basis texture", Remedy::ktx},
     {"DDS "sv, 0, "a DDS texture", Remedy::png},
     {"8BPS"sv, 0, "a Photoshop image (PSD)", Remedy::png},
