@@ -2,6 +2,7 @@
 """Cameras of Blender as those of claray."""
 
 import math
+from dataclasses import dataclass
 
 import claray
 import numpy as np
@@ -17,13 +18,44 @@ def frame_height(fit, width_of_sensor, height_of_sensor, width, height):
     return (height / width if horizontal else 1.0), sensor
 
 
-def camera_of(thing, width, height, scale, note):
-    """A claray.Camera for a picture of this size. thing: the evaluated object. scale: width over height of a pixel."""
+@dataclass(frozen=True)
+class Frame:
+    """A picture whose middle is not that of the lens is a part of a larger one: width, height of the larger one, and where the part begins
+    in it, from the left and from below. `grown`: the larger height over that of the part."""
+
+    width: int
+    height: int
+    left: int
+    low: int
+    grown: float
+
+    @classmethod
+    def shifted(cls, width, height, right, up):
+        """right, up: how far the picture's middle is from that of the lens, in pixels, rounded to whole ones."""
+        right, up = round(right), round(up)
+        tall = height + 2 * abs(up)
+        return cls(width + 2 * abs(right), tall, abs(right) + right, abs(up) + up, tall / height)
+
+    def cut(self, pixels, width, height):
+        """The part of a picture, rows from the bottom."""
+        return pixels[self.low:self.low + height, self.left:self.left + width]
+
+
+def frame_of(camera, width, height, scale):
+    """The Frame of a camera with a shift, which is in shares of the side that the sensor's fit names."""
+    horizontal = camera.sensor_fit == "HORIZONTAL" or (camera.sensor_fit == "AUTO" and width * scale >= height)
+    side = width if horizontal else height
+    if camera.type == "PANO":
+        return Frame(width, height, 0, 0, 1.0)
+    return Frame.shifted(width, height, camera.shift_x * side, camera.shift_y * side)
+
+
+def camera_of(thing, width, height, scale, grown, note):
+    """A claray.Camera for a picture of this size. thing: the evaluated object. scale: width over height of a pixel. grown: of its Frame."""
     camera, matrix = thing.data, np.array(thing.matrix_world, np.float64)
     given = _pose(matrix)
     ratio, sensor = frame_height(camera.sensor_fit, camera.sensor_width, camera.sensor_height, width * scale, height)
-    if camera.shift_x or camera.shift_y:
-        note("the shift is left out")
+    ratio *= grown
     if abs(scale - 1) > 1e-6:
         note("pixels that are not square are so")
     if camera.type == "PANO":
@@ -59,11 +91,14 @@ def _lens(camera, matrix, parallel, note):
     return {"aperture_radius": focal / (2 * dof.aperture_fstop), "focus_distance": max(distance, 1e-4)}
 
 
-def camera_of_view(view):
-    """A claray.Camera for a 3D view. view: RegionView3D, or what has its matrices."""
-    matrix = np.array(view.view_matrix.inverted(), np.float64)
+def camera_of_view(view, width, height):
+    """A claray.Camera for a 3D view of this size, and its Frame: through a camera the middle of the view may be elsewhere. view:
+    RegionView3D, or what has its matrices."""
+    given = _pose(np.array(view.view_matrix.inverted(), np.float64))
     window = np.array(view.window_matrix, np.float64)
-    given = _pose(matrix)
-    if window[3, 3] == 1:  # parallel rays
-        return claray.Camera(orthographic_height=2 / window[1, 1], **given)
-    return claray.Camera(vertical_fov=2 * math.degrees(math.atan(1 / window[1, 1])), **given)
+    parallel = window[3, 3] == 1
+    right, up = (-window[0, 3], -window[1, 3]) if parallel else (window[0, 2], window[1, 2])
+    frame = Frame.shifted(width, height, right * width / 2, up * height / 2)
+    if parallel:
+        return claray.Camera(orthographic_height=2 / window[1, 1] * frame.grown, **given), frame
+    return claray.Camera(vertical_fov=2 * math.degrees(math.atan(frame.grown / window[1, 1])), **given), frame

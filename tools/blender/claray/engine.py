@@ -8,7 +8,7 @@ import claray
 import numpy as np
 
 from . import report as reports
-from .camera import camera_of
+from .camera import camera_of, frame_of
 from .geometry import AXES
 from .scene import note_seen_lamps, scene_of
 from .view import View
@@ -64,19 +64,20 @@ class ClarayEngine(bpy.types.RenderEngine):
 
     def _render(self, depsgraph):
         scene, settings = depsgraph.scene, depsgraph.scene.claray
-        width, height = self.resolution_x, self.resolution_y
-        region = region_of(scene.render, width, height)
+        left, low, *size = region_of(scene.render, self.resolution_x, self.resolution_y)
+        pixel = scene.render.pixel_aspect_x / scene.render.pixel_aspect_y
+        frame = frame_of(scene.camera.data, self.resolution_x, self.resolution_y, pixel)
+        region = left + frame.left, low + frame.low, *size
         self.update_stats("", "Reading the scene")
         made, report, seen = scene_of(depsgraph)
-        pixel = scene.render.pixel_aspect_x / scene.render.pixel_aspect_y
-        made.camera = camera_of(scene.camera.evaluated_get(depsgraph), width, height, pixel,
+        made.camera = camera_of(scene.camera.evaluated_get(depsgraph), self.resolution_x, self.resolution_y, pixel, frame.grown,
                                 lambda text: report.note(f"camera '{scene.camera.name}'", text))
-        note_seen_lamps(seen, made.camera, width / height, report)
+        note_seen_lamps(seen, made.camera, frame.width / frame.height, report)
         reports.keep(scene, report.lines)
         if report.lines:
             self.report({"WARNING"}, f"claray leaves out or changes {len(report.lines)} things; its panel lists them")
         self.update_stats("", "Loading kernels")
-        renderer = claray.Renderer(made, device=device_of(settings), width=width, height=height, report_seconds=0.2,
+        renderer = claray.Renderer(made, device=device_of(settings), width=frame.width, height=frame.height, report_seconds=0.2,
                                    **options_of(settings, settings.samples))
         result = self.begin_result(0, 0, region[2], region[3])
         try:
