@@ -4,6 +4,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/base/format.hpp"
+#include "host/io/world/rough.hpp"
+
 namespace claray {
 namespace {
 
@@ -33,6 +36,12 @@ float pane_ior(float ior) {
         (reflected(middle, false) < wanted ? low : high) = middle;
     }
     return float(low);
+}
+
+constexpr double least_rough = 1e-3;  // alpha of facets that lose some light
+
+double mean_alpha(Paints& paints, const Alphas& alphas) {
+    return std::sqrt(double(share(paints.mean(alphas.u).x)) * double(share(paints.mean(alphas.v).x)));
 }
 
 /// The same surface as parameters of a principled material.
@@ -102,11 +111,12 @@ Look plastic_look(Paints& paints, const Paint& reflectance, float ior, const Alp
     m.kind = MaterialKind::principled;
     m.ior = sound_ior(ior);
     Paint base = paints.albedo(reflectance);
-    if (tinted && m.ior > 1.f) {
-        const double inner = inner_reflectance(m.ior);
-        base = paints.changed(base, "below " + std::to_string(m.ior), [inner](const glm::vec3& c) {
-            return glm::vec3(albedo_below(c.x, inner), albedo_below(c.y, inner), albedo_below(c.z, inner));
-        });
+    const double alpha = mean_alpha(paints, alphas);
+    if (tinted || alpha >= least_rough) {
+        const RoughBase below(m.ior, alpha, tinted);
+        base = paints.changed(
+            base, printed("below %g %g %d", double(m.ior), alpha, int(tinted)),
+            [&](const glm::vec3& c) { return glm::vec3(below.albedo(c.x), below.albedo(c.y), below.albedo(c.z)); });
     }
     set_albedo(m, paints, base);
     set_roughness(m, paints, alphas);
@@ -117,7 +127,12 @@ Look metal_look(Paints& paints, const Paint& color, const Alphas& alphas) {
     Look look;
     look.material.kind = MaterialKind::metal;
     look.material.metallic = 1.f;
-    set_albedo(look.material, paints, color);
+    const double alpha = mean_alpha(paints, alphas), kept = alpha < least_rough ? 1 : kept_by_facets(alpha);
+    const auto darkened = [kept](const glm::vec3& c) {
+        return glm::vec3(darkened_metal(c.x, kept), darkened_metal(c.y, kept), darkened_metal(c.z, kept));
+    };
+    const Paint sound = paints.albedo(color);
+    set_albedo(look.material, paints, kept < 1 ? paints.changed(sound, printed("metal %g", kept), darkened) : sound);
     set_roughness(look.material, paints, alphas);
     return look;
 }
@@ -127,7 +142,13 @@ Look glass_look(Paints& paints, float ior, const Alphas& alphas, const Paint& ti
     Material& m = look.material;
     m.kind = MaterialKind::glass;
     m.ior = sound_ior(ior);
-    set_albedo(m, paints, tint);
+    const double alpha = mean_alpha(paints, alphas);
+    Paint passed = paints.albedo(tint);
+    if (alpha >= least_rough) {
+        const RoughBorder border = rough_border(m.ior, alpha);
+        passed.factor *= float(border.passed / (1 - border.reflected));
+    }
+    set_albedo(m, paints, passed);
     set_roughness(m, paints, alphas);
     if (m.kind == MaterialKind::principled) m.transmission = 1.f, m.metallic_roughness_map = {};  // metal would hide it
     return look;

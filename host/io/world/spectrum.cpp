@@ -234,6 +234,4 @@ double inner_reflectance(double ior) {
     return of_diffuse_light([&](double cosine) { return dielectric_reflectance(1 / ior, cosine); });
 }
 
-float albedo_below(float albedo, double inner) { return float(albedo * (1 - inner) / (1 - albedo * inner)); }
-
 }  // namespace claray

@@ -40,8 +40,5 @@ struct Conductor {
 
 /// Share of diffuse light within a body of index `ior` that its smooth border reflects.
 [[nodiscard]] double inner_reflectance(double ior);
-/// The albedo of a diffuse base under a smooth border once light that the border sends back is counted: claray's base
-/// reflects `albedo` of the light that enters, and the interreflection tints the rest.
-[[nodiscard]] float albedo_below(float albedo, double inner);
 
 }  // namespace claray

@@ -56,6 +56,8 @@ void append(Mesh& mesh, Mesh part) {
     for (const glm::uvec3& t : part.triangles) mesh.triangles.push_back(t + first);
 }
 
+bool transmits(const Material& m) { return m.transmission > 0.f || m.thin_walled || claray::transmits(m.kind); }
+
 double degrees_of(double radians) { return radians * 180 / std::numbers::pi; }
 double radians_of(double degrees) { return degrees * std::numbers::pi / 180; }
 
@@ -120,7 +122,11 @@ std::uint32_t World::add_material(Material material) {
 
 std::uint32_t World::material_of(std::size_t look) {
     const auto [found, is_new] = materials_.try_emplace(look, 0);
-    if (is_new) found->second = add_material(looks_[look].material);
+    if (is_new) {
+        Material material = looks_[look].material;
+        material.cull_back |= !looks_[look].both_sides && !transmits(material);
+        found->second = add_material(std::move(material));
+    }
     return found->second;
 }
 
@@ -133,6 +139,17 @@ void World::add_part(Mesh mesh, std::uint32_t material) {
     group_ ? group_->push_back(number) : placed_.push_back({number, glm::mat4(1.f)});
 }
 
+/// What is behind a surface whose back is black.
+void World::add_back(Mesh mesh) {
+    turn_round(mesh);
+    if (!black_back_) {
+        Material black;
+        black.name = "black back", black.albedo = glm::vec3(0.f), black.cull_back = true;
+        black_back_ = add_material(black);
+    }
+    add_part(std::move(mesh), *black_back_);
+}
+
 /// A lamp that shines to one side is a pair of one-sided surfaces: the one that shines, and its back.
 void World::add_lamp(Mesh mesh, const Look& look, const Glow& glow) {
     const Paint radiance = glow.radiance;
@@ -141,14 +158,12 @@ void World::add_lamp(Mesh mesh, const Look& look, const Glow& glow) {
     Material back = front;
     front.emission = sound_radiance(radiance.factor);
     front.emission_map = radiance.use;
-    if (!glow.both_sides && !transmits(front.kind)) {
-        front.cull_back = back.cull_back = true;
-        if (!look.both_sides) back = Material(), back.albedo = glm::vec3(0.f), back.cull_back = true;
-        Mesh behind = mesh;
-        turn_round(behind);
-        add_part(std::move(behind), add_material(back));
-    }
-    add_part(std::move(mesh), add_material(front));
+    if (glow.both_sides || transmits(front)) return add_part(std::move(mesh), add_material(front));
+    front.cull_back = back.cull_back = true;
+    add_part(mesh, add_material(front));
+    if (!look.both_sides) return add_back(std::move(mesh));
+    turn_round(mesh);
+    add_part(std::move(mesh), add_material(back));
 }
 
 void World::add(Mesh mesh, const glm::dmat4& to_world, std::size_t look, const std::optional<Glow>& glow) {
@@ -156,7 +171,10 @@ void World::add(Mesh mesh, const glm::dmat4& to_world, std::size_t look, const s
     if (!is_usable(to_world)) return warn("a shape whose transform is not invertible is left out");
     transform(mesh, to_world);
     face_normals(mesh);
-    glow ? add_lamp(std::move(mesh), looks_[look], *glow) : add_part(std::move(mesh), material_of(look));
+    if (glow) return add_lamp(std::move(mesh), looks_[look], *glow);
+    const bool one_sided = !looks_[look].both_sides && !transmits(looks_[look].material);
+    add_part(mesh, material_of(look));
+    if (one_sided) add_back(std::move(mesh));
 }
 
 void World::add_ball(const glm::dmat4& to_world, std::size_t look, const std::optional<Glow>& glow, bool turned) {
@@ -164,7 +182,7 @@ void World::add_ball(const glm::dmat4& to_world, std::size_t look, const std::op
     if (of.invisible && !glow) return;
     const std::optional<double> radius = even_scale(to_world);
     const bool plain = of.material.alpha_mode == AlphaMode::opaque && may_be_on_primitives(of.material);
-    if (!glow && !in_group() && plain && radius && is_usable(to_world) && !(turned && transmits(of.material.kind))) {
+    if (!glow && !in_group() && plain && radius && is_usable(to_world) && !(turned && transmits(of.material))) {
         PrimitiveSet set;
         set.kind = PrimitiveSet::Kind::spheres;
         set.points.emplace_back(glm::vec3(to_world[3]), float(*radius));

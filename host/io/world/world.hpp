@@ -74,6 +74,7 @@ private:
     [[nodiscard]] std::uint32_t material_of(std::size_t look);
     [[nodiscard]] std::uint32_t add_material(Material material);
     void add_part(Mesh mesh, std::uint32_t material);
+    void add_back(Mesh mesh);
     void add_lamp(Mesh mesh, const Look& look, const Glow& glow);
     void add_sky();
     void add_camera();
@@ -85,6 +86,7 @@ private:
     std::set<std::string> warned_;
     std::vector<Look> looks_;
     std::map<std::size_t, std::uint32_t> materials_;
+    std::optional<std::uint32_t> black_back_;
     std::map<std::string, std::vector<std::uint32_t>> groups_;
     std::vector<std::uint32_t>* group_ = nullptr;
     std::vector<Placed> placed_;

@@ -76,12 +76,12 @@ TEST_F(Mitsuba, LampsShineToOneSide) {
     const Scene scene =
         load("<shape type='rectangle'><emitter type='area'><rgb name='radiance' value='3, 2, 1'/></emitter></shape>");
     ASSERT_EQ(scene.meshes.size(), 2u);
-    EXPECT_EQ(scene.materials.at(scene.meshes[1].materials[0]).emission, glm::vec3(3, 2, 1));
-    EXPECT_EQ(scene.materials.at(scene.meshes[0].materials[0]).albedo, glm::vec3(0.f));  // Mitsuba's backs are black
-    EXPECT_EQ(scene.meshes[1].normals.at(0), glm::vec3(0, 0, 1));
+    EXPECT_EQ(scene.materials.at(scene.meshes[0].materials[0]).emission, glm::vec3(3, 2, 1));
+    EXPECT_EQ(scene.materials.at(scene.meshes[1].materials[0]).albedo, glm::vec3(0.f));  // Mitsuba's backs are black
+    EXPECT_EQ(scene.meshes[0].normals.at(0), glm::vec3(0, 0, 1));
     const Scene turned =
         load("<shape type='rectangle'><boolean name='flip_normals' value='true'/><emitter type='area'/></shape>");
-    EXPECT_EQ(turned.meshes[1].normals.at(0), glm::vec3(0, 0, -1));
+    EXPECT_EQ(turned.meshes[0].normals.at(0), glm::vec3(0, 0, -1));
 }
 
 TEST_F(Mitsuba, Lights) {
@@ -198,7 +198,7 @@ TEST_F(Mitsuba, ReferencesDefaultsAndIncludes) {
         "<include filename='part.xml'/><shape type='sphere'><float name='radius' value='$side'/><ref "
         "id='red'/></shape>");
     EXPECT_EQ(scene.primitives.at(0).points.at(0).w, 4.f);
-    EXPECT_EQ(scene.materials.size(), 1u);
+    EXPECT_EQ(scene.materials.size(), 2u);  // red, and black for backs
     (void)load("<shape type='cube'><ref id='absent'/></shape>");
     EXPECT_EQ(warned("'absent' is not defined"), 1u);
 }
@@ -208,8 +208,8 @@ TEST_F(Mitsuba, GroupsArePlaced) {
         "<shape type='shapegroup' id='g'><shape type='cube'/></shape>"
         "<shape type='instance'><ref id='g'/><transform name='to_world'><translate x='10'/></transform></shape>"
         "<shape type='instance'><ref id='g'/></shape>");
-    ASSERT_EQ(scene.instances.size(), 2u);
-    EXPECT_EQ(scene.meshes.size(), 1u);
+    ASSERT_EQ(scene.instances.size(), 4u);  // the fronts and the backs
+    EXPECT_EQ(scene.meshes.size(), 2u);
     EXPECT_EQ(bounds_of(scene).hi.x, 11.f);
 }
 

@@ -71,17 +71,17 @@ TEST_F(Pbrt, ObjectsArePlaced) {
 TEST_F(Pbrt, LampsShineToOneSide) {
     const Scene one = world("AreaLightSource \"diffuse\" \"rgb L\" [3 2 1] \"float scale\" 2\n" + triangle);
     ASSERT_EQ(one.meshes.size(), 2u);  // the lamp and its back
-    EXPECT_EQ(one.materials.at(one.meshes[1].materials[0]).emission, glm::vec3(6, 4, 2));
-    EXPECT_EQ(one.materials.at(one.meshes[0].materials[0]).emission, glm::vec3(0));
+    EXPECT_EQ(one.materials.at(one.meshes[0].materials[0]).emission, glm::vec3(6, 4, 2));
+    EXPECT_EQ(one.materials.at(one.meshes[1].materials[0]).emission, glm::vec3(0));
     EXPECT_TRUE(one.materials[0].cull_back && one.materials[1].cull_back);
     const Scene both = world("AreaLightSource \"diffuse\" \"bool twosided\" true\n" + triangle);
     EXPECT_EQ(both.meshes.size(), 1u);
     // 10 W from 1/2 unit of area: 10 / (pi / 2).
     const Scene power = world("AreaLightSource \"diffuse\" \"float power\" 10\n" + triangle);
-    EXPECT_NEAR(power.materials.at(power.meshes[1].materials[0]).emission.x, 20 / std::numbers::pi, 1e-5);
+    EXPECT_NEAR(power.materials.at(power.meshes[0].materials[0]).emission.x, 20 / std::numbers::pi, 1e-5);
     const Scene reversed =
         world("AttributeBegin ReverseOrientation AreaLightSource \"diffuse\"\n" + triangle + "AttributeEnd\n");
-    EXPECT_EQ(reversed.meshes[1].triangles.at(0), glm::uvec3(0, 2, 1));
+    EXPECT_EQ(reversed.meshes[0].triangles.at(0), glm::uvec3(0, 2, 1));
 }
 
 TEST_F(Pbrt, Lights) {
@@ -109,7 +109,7 @@ TEST_F(Pbrt, Materials) {
         "\"float roughness\" 0.25 \"bool remaproughness\" false\n");
     EXPECT_EQ(int(gold.kind), int(MaterialKind::metal));
     EXPECT_FLOAT_EQ(gold.roughness, 0.5f);  // alpha is its square
-    EXPECT_GT(gold.albedo.x, 0.9f);
+    EXPECT_GT(gold.albedo.x, 0.8f);
     EXPECT_LT(gold.albedo.z, 0.5f);
     const Material remapped = material("Material \"conductor\" \"float roughness\" 0.0625\n");
     EXPECT_FLOAT_EQ(remapped.roughness, 0.5f);  // alpha = sqrt(roughness)

@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "host/io/world/rough.hpp"
+
 namespace claray {
 namespace {
 
@@ -67,12 +69,36 @@ TEST(Conductors, HaveNamesInBothFormats) {
 
 /// Diffuse light within n = 1.5: 0.596 (d'Eon and Irving 2011, table of internal reflectances).
 TEST(Plastic, ReturnsTheShareOfLightThatItsBorderSendsBack) {
-    EXPECT_NEAR(inner_reflectance(1.5), 0.596, 1e-3);
     const double inner = inner_reflectance(1.5);
-    EXPECT_NEAR(albedo_below(1.f, inner), 1.f, 1e-6f);
+    EXPECT_NEAR(inner, 0.596, 1e-3);
+    const RoughBase smooth(1.5, 0, true);
+    EXPECT_NEAR(smooth.albedo(1.f), 1.f, 1e-6f);
     double sum = 0, now = 0.5 * (1 - inner);
     for (int bounce = 0; bounce < 200; ++bounce, now *= 0.5 * inner) sum += now;  // leaves after each reflection
-    EXPECT_NEAR(albedo_below(0.5f, inner), sum, 1e-6);
+    EXPECT_NEAR(smooth.albedo(0.5f), sum, 1e-6);
+    EXPECT_NEAR(RoughBase(1.5, 0, false).albedo(0.5f), 0.5f, 1e-6f);
+}
+
+/// Where facets are nearly smooth, their shares are those of a smooth border, and they lose little; rough ones lose
+/// more.
+TEST(Rough, BordersLoseLightByTheirRoughness) {
+    const RoughBorder nearly = rough_border(1.5, 0.002), rough = rough_border(1.5, 0.5);
+    EXPECT_NEAR(nearly.reflected + nearly.passed, 1, 2e-3);
+    EXPECT_NEAR(nearly.reflected, 1 - (1 - inner_reflectance(1.5)) * 2.25, 2e-3);  // reciprocity
+    EXPECT_NEAR(rough_border(1 / 1.5, 0.002).reflected, inner_reflectance(1.5), 5e-3);
+    EXPECT_LT(rough.reflected + rough.passed, 0.99);
+    EXPECT_NEAR(kept_by_facets(0.002), 1, 1e-3);
+    EXPECT_LT(kept_by_facets(1), 0.65);
+    EXPECT_GT(kept_by_facets(0.1), kept_by_facets(0.3));
+}
+
+/// Facets that lose nothing: each order of scattering keeps E and reflects F.
+TEST(Rough, DarkenedMetalReflectsAsMuchAtAllOrdersAsTheOtherAtTheFirst) {
+    const double kept = 0.8, f = darkened_metal(0.9f, kept);
+    double sum = 0, now = f;
+    for (int order = 0; order < 100; ++order, now *= f * (1 - kept)) sum += now * kept;
+    EXPECT_NEAR(sum, 0.9 * kept, 1e-6);
+    EXPECT_FLOAT_EQ(darkened_metal(0.7f, 1), 0.7f);
 }
 
 }  // namespace
