@@ -93,14 +93,23 @@ bool is_pcd(const SceneBeginning& file) {
 
 constexpr const char* use_a_mesh = "export a mesh, such as a PLY with faces, from the program that made them";
 
+/// Text, an archive of it, or binary ("crate").
+bool is_usd(const SceneBeginning& file) {
+    return file.bytes.starts_with("PXR-USDC") || file.text.starts_with("#usda ") ||
+           (file.bytes.starts_with("PK\3\4") && file.bytes.substr(0, 256).find(".usd") != file.bytes.npos);
+}
+
+/// Blender's own mark, or what compresses it, which the extension tells.
+bool is_blend(const SceneBeginning& file) { return file.bytes.starts_with("BLENDER"); }
+
 constexpr SceneChoices strokes = {.stroke_radius = true};
 constexpr SceneChoices all = {true, true, true, true, true};
-constexpr SceneChoices by_assimp = {.animations = true, .cameras = true, .stroke_radius = true};
+constexpr SceneChoices converted = {.animations = true, .cameras = true, .stroke_radius = true};
 
 /// A row of a format that claray-import reads.
 constexpr SceneReader assimp_reader(const char* name, const char* extensions,
                                     bool (*recognizes)(const SceneBeginning&) = nullptr) {
-    return {name, extensions, by_assimp, recognizes, load_by_assimp_without_light, assimp_animation_seconds};
+    return {name, extensions, converted, recognizes, load_by_assimp_without_light, assimp_animation_seconds};
 }
 
 /// Vaguer tests of the content stand behind stricter ones.
@@ -114,9 +123,11 @@ constexpr SceneReader readers[] = {
     assimp_reader("FBX", ".fbx", is_fbx),
     assimp_reader("3DS", ".3ds", is_3ds),
     assimp_reader("OFF", ".off", is_off),
-    assimp_reader("3MF", ".3mf", is_3mf),
+    {"3MF", ".3mf", {}, is_3mf, load_3mf_without_light},
     {"PCD", ".pcd", strokes, is_pcd, load_pcd_without_light},
     {.name = "a file of Gaussian splats", .extensions = ".splat .ksplat .spz .sog", .remedy = use_a_mesh},
+    {"USD", ".usd .usda .usdc .usdz", converted, is_usd, load_usd_without_light, usd_animation_seconds},
+    {"Blender", ".blend", converted, is_blend, load_blend_without_light, blend_animation_seconds},
     {"OBJ", ".obj", strokes, is_obj, load_obj_without_light},
 };
 

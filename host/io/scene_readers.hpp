@@ -35,7 +35,7 @@ struct SceneReader {
     Scene (*load)(const std::filesystem::path&, Warnings&, const LoadOptions&) = nullptr;
     /// Of formats with animations: as claray::animation_seconds.
     std::optional<double> (*animation_seconds)(const std::filesystem::path&, const LoadOptions&) = nullptr;
-    const char* remedy = "";  ///< without `load`: how to convert it
+    const char* remedy = "";    ///< without `load`: how to convert it
     bool states_light = false;  ///< its files state all of their light: claray adds none where there is any
 };
 
@@ -60,9 +60,19 @@ struct SceneReader {
                                                const LoadOptions& options);
 [[nodiscard]] Scene load_pbrt_without_light(const std::filesystem::path& path, Warnings& warnings,
                                             const LoadOptions& options);
+[[nodiscard]] Scene load_usd_without_light(const std::filesystem::path& path, Warnings& warnings,
+                                           const LoadOptions& options);
+[[nodiscard]] Scene load_blend_without_light(const std::filesystem::path& path, Warnings& warnings,
+                                             const LoadOptions& options);
+[[nodiscard]] std::optional<double> blend_animation_seconds(const std::filesystem::path& path,
+                                                            const LoadOptions& options);
+[[nodiscard]] std::optional<double> usd_animation_seconds(const std::filesystem::path& path,
+                                                          const LoadOptions& options);
 [[nodiscard]] std::optional<double> gltf_animation_seconds(const std::filesystem::path& path,
                                                            const LoadOptions& options);
 [[nodiscard]] Scene load_pcd_without_light(const std::filesystem::path& path, Warnings& warnings,
+                                           const LoadOptions& options);
+[[nodiscard]] Scene load_3mf_without_light(const std::filesystem::path& path, Warnings& warnings,
                                            const LoadOptions& options);
 /// What other programs turn into the bytes of a glTF. Messages name `path`, and images are in its folder.
 [[nodiscard]] Scene load_gltf_bytes(const std::filesystem::path& path, std::string_view bytes, Warnings& warnings,
