@@ -1,5 +1,6 @@
 # Writes OUTPUT, a C++ file that holds the text of every kernel and shared header: cmake -DOUTPUT= -DSOURCE_DIR= -P this. With -DPROBES=ON
-# these are the texts of the probes of drivers instead.
+# these are the texts of the probes of drivers instead, with -DPAGE=ON the files of the page of the view.
+set(type KernelSource)
 set(body "#include \"host/compute/programs/kernel_sources.hpp\"\n")
 
 # add_texts(FOLDER PATTERN...): those files, called by their paths below the folder.
@@ -18,11 +19,16 @@ endfunction()
 
 if(PROBES)
     string(APPEND body "#include \"host/verify/probes/probes.hpp\"\nnamespace claray::verify {\nconst std::vector<KernelSource>& embedded_probe_texts() {\n")
+elseif(PAGE)
+    set(type PageFile)
+    set(body "#include \"host/view/web/page.hpp\"\nnamespace claray::view {\nconst std::vector<PageFile>& page_files() {\n")
 else()
     string(APPEND body "namespace claray {\nconst std::vector<KernelSource>& embedded_kernel_sources() {\n")
 endif()
-string(APPEND body "    static const std::vector<KernelSource> sources = {\n")
-if(PROBES)
+string(APPEND body "    static const std::vector<${type}> sources = {\n")
+if(PAGE)
+    add_texts(host/view/web/page *.html *.css *.js *.svg)
+elseif(PROBES)
     add_texts(kernels/probes *.cl)
     add_texts(host/verify/probes *.c)
 else()

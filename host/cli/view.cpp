@@ -1,10 +1,17 @@
 // claray view: looks at a scene while it changes.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
+#include <iterator>
 #include <memory>
+#include <set>
+#include <sstream>
 
 #include "host/base/format.hpp"
 #include "host/base/percentile.hpp"
+#include "host/base/process/environment.hpp"
+#include "host/base/process/process.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/options/bvh_options.hpp"
 #include "host/cli/options/option_rules.hpp"
@@ -13,7 +20,9 @@
 #include "host/cli/output/brightness.hpp"
 #include "host/cli/output/messages.hpp"
 #include "host/cli/output/progress.hpp"
+#include "host/io/scene_readers.hpp"
 #include "host/lights/light_probe.hpp"
+#include "host/view/camera_control.hpp"
 #include "host/view/input.hpp"
 #include "host/view/script.hpp"
 #include "host/view/terminal.hpp"
@@ -29,8 +38,9 @@ struct LiveOptions {
     view::ViewConfig config;
     std::filesystem::path script, output;
     int port = 8080;
-    bool window = false, terminal = false, quiet = false;
+    bool window = false, terminal = false, quiet = false, browser = true;
     bool chooses_exposure = false;
+    std::vector<std::string> render_options;  // those that `claray render` has, too, but for what the view shows
 };
 
 constexpr double script_step = 1. / 60;  // seconds of an animation per frame
@@ -45,6 +55,34 @@ view::Animation animation_of(const LiveOptions& options, FirstFrame first) {
         return load_view(options.scene, then, options.config.render.width, options.config.render.height, &first);
     };
     return {scene_at, *seconds, options.view.load.time.value_or(0), options.script.empty() ? 0 : script_step};
+}
+
+/// A word of a POSIX shell.
+std::string quoted(const std::string& text) {
+    const auto plain = [](unsigned char c) { return std::isalnum(c) != 0 || std::strchr("-_./:,=+", c) != nullptr; };
+    if (!text.empty() && std::all_of(text.begin(), text.end(), plain)) return text;
+    std::string word = "'";
+    for (const char c : text) word += c == '\'' ? "'\\''" : std::string(1, c);
+    return word + "'";
+}
+
+/// The options of the command line that `claray render` has, too, but for those that a view changes.
+std::vector<std::string> options_for_render(CLI::App& command) {
+    static const std::set<std::string> changed = {"--camera", "--look-at",    "--up",       "--fov",
+                                                  "--ortho",  "--projection", "--aperture", "--focus-distance",
+                                                  "--size",   "--spp",        "--exposure", "--output"};
+    const CLI::App& render = *command.get_parent()->get_subcommand("render");
+    std::vector<std::string> words;
+    for (const CLI::Option* option : command.get_options()) {
+        const std::string name = option->get_name();
+        if (option->count() == 0 || !name.starts_with("-") || changed.contains(name) ||
+            render.get_option_no_throw(name) == nullptr)
+            continue;
+        words.push_back(name);
+        if (option->get_items_expected_max() > 0)
+            words.insert(words.end(), option->results().begin(), option->results().end());
+    }
+    return words;
 }
 
 /// Median and 99th percentile of times, in milliseconds; nothing where there are none.
@@ -77,29 +115,77 @@ float exposure_for_lights(const Scene& scene, float aspect) {
     return stops;
 }
 
-void look(const LiveOptions& options) {
-    view::Script script;
-    if (!options.script.empty()) script = view::read_script(options.script);
-    if (options.window) view::require_window();
-    if (options.script.empty()) view::require_live_size(options.config.render.width, options.config.render.height);
-    const Device device = open_device(options.device);
+view::View view_of(const Device& device, const LiveOptions& options) {
     view::ViewConfig config = options.config;
     FirstFrame first;
     Scene scene = load_view(options.scene, options.view, config.render.width, config.render.height, &first);
     if (options.chooses_exposure)
         config.picture.exposure = exposure_for_lights(scene, float(config.render.width) / float(config.render.height));
     config.animation = animation_of(options, first);
-    view::View view(device, std::move(scene), config);
+    return {device, std::move(scene), config};
+}
+
+/// Arguments of claray that render what is seen, as far as options tell it.
+std::vector<std::string> render_of(const view::View& view, const LiveOptions& options) {
+    const RenderConfig& render = view.config().render;
+    const PictureConfig& picture = view.config().picture;
+    std::vector<std::string> words = {"render", options.scene};
+    words.insert(words.end(), options.render_options.begin(), options.render_options.end());
+    std::istringstream of_view(view::options_of(view.camera()) +
+                               printed(" --size %ux%u --spp %u --exposure %g --tone-map %s", render.width,
+                                       render.height, render.spp, double(picture.exposure),
+                                       picture.tone_map == ToneMap::none ? "none" : "aces") +
+                               " --output view.png");
+    words.insert(words.end(), std::istream_iterator<std::string>(of_view), {});
+    return words;
+}
+
+std::string command_line_of(const std::vector<std::string>& arguments) {
+    std::string line = "claray";
+    for (const std::string& word : arguments) line += " " + quoted(word);
+    return line + "\n";
+}
+
+/// Where there is a display, a browser shows the page.
+void open_browser(const std::string& url) {
+    if (environment("DISPLAY").empty() && environment("WAYLAND_DISPLAY").empty()) return;
+    (void)start_silently({"xdg-open", url});
+}
+
+void serve(view::View& view, const Device& device, const LiveOptions& options, const std::function<bool()>& goes_on) {
+    LiveOptions shown = options;
+    view::WebConfig web{.host = options.host, .port = options.port, .goes_on = goes_on};
+    web.ready = [&](const std::string& url) {
+        std::printf("view: %s (Ctrl-C ends)\n", url.c_str());
+        std::fflush(stdout);
+        if (options.browser) open_browser(url);
+    };
+    web.open = [&](const std::filesystem::path& file) {
+        LiveOptions other = options;
+        other.scene = file.string(), other.view = {}, other.view.load.live = true, other.render_options.clear();
+        other.chooses_exposure = true;
+        view::View opened = view_of(device, other);
+        other.scene = file.filename().string();
+        shown = other;
+        return opened;
+    };
+    web.command_line = [&](const view::View& seen) { return command_line_of(render_of(seen, shown)); };
+    view::serve(view, web);
+}
+
+void look(const LiveOptions& options) {
+    view::Script script;
+    if (!options.script.empty()) script = view::read_script(options.script);
+    if (options.window) view::require_window();
+    if (options.script.empty()) view::require_live_size(options.config.render.width, options.config.render.height);
+    const Device device = open_device(options.device);
+    view::View view = view_of(device, options);
     const InterruptGuard guard(Interrupts::commands);
     const auto goes_on = [] { return !InterruptGuard::interrupted(); };
     if (!options.script.empty()) return replay(view, script, options);
     if (options.window) return view::run_in_window(view, goes_on);
     if (options.terminal) return view::run_in_terminal(view, goes_on);
-    view::serve(view,
-                {.host = options.host, .port = options.port, .goes_on = goes_on, .ready = [](const std::string& url) {
-                     std::printf("view: %s (Ctrl-C ends)\n", url.c_str());
-                     std::fflush(stdout);
-                 }});
+    serve(view, device, options, goes_on);
 }
 
 std::string list_of_commands() {
@@ -128,13 +214,16 @@ void add_view_command(CLI::App& app, Action& action) {
     render.width = 640, render.height = 360, render.spp = 256;
     command
         ->add_option("scene", options->scene,
-                     "A scene file (.obj, .ply, .stl, .gltf, .glb), or a built-in scene (see claray scenes)")
+                     "A scene file (" + scene_extensions() + "), or a built-in scene (see claray scenes)")
         ->required();
     add_size_option(*command, render.width, render.height, "WIDTHxHEIGHT in pixels [640x360]");
     command->add_option("--port", options->port, "Port of the web page; 0: any that is free [8080]")
         ->transform(whole_number(0, 65535));
     command->add_option("--host", options->host,
-                        "Address of the web page [127.0.0.1]; 0.0.0.0 serves it to all computers that reach this one");
+                        "Address of the web page [127.0.0.1]; 0.0.0.0 serves it to all computers that reach this one,\n"
+                        "with the token that is printed");
+    command->add_flag("!--no-browser", options->browser,
+                      "Open no browser; without it one opens where there is a display");
     command->add_flag("--window", options->window, "Show the view in a window");
     command->add_flag("--terminal", options->terminal, "Show the view in the terminal");
     command->add_option("--script", options->script, "Replay the commands of FILE, one per line, and end");
@@ -166,6 +255,7 @@ void add_view_command(CLI::App& app, Action& action) {
         refuse_both(*command, "--window", {"--terminal", "--port", "--host"}, "there is one display");
         refuse_both(*command, "--terminal", {"--port", "--host"}, "there is one display");
         options->chooses_exposure = command->count("--exposure") == 0;
+        options->render_options = options_for_render(*command);
         action = [options] { look(*options); };
     });
 }

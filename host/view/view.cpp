@@ -10,6 +10,7 @@
 #include "host/base/seconds_since.hpp"
 #include "host/view/camera_control.hpp"
 #include "host/view/false_colors.hpp"
+#include "host/view/refuse.hpp"
 
 namespace claray::view {
 namespace {
@@ -19,10 +20,7 @@ using Clock = std::chrono::steady_clock;
 constexpr float most_pixels_a_side = 16384;
 constexpr std::size_t most_pixels = 4096 * 4096;  // more than displays of 5120x2880 have
 constexpr double least_share = 0.25;              // of a frame's time that is spent on sampling
-
-[[noreturn]] void refuse(const std::string& what, const std::string& remedy) {
-    throw Error(ErrorKind::user, what, remedy);
-}
+constexpr double longest_slice = 0.02;            // seconds from one look at what interrupts to the next
 
 /// Instances place all meshes, so that each can be moved. Those that stay where they are do not change the picture.
 Scene movable(Scene scene) {
@@ -36,18 +34,10 @@ Scene with_camera(Scene scene, const RenderConfig& config) {
     return scene;
 }
 
-bool are_parts_of_one(const MeshInstance& a, const MeshInstance& b) {
-    return !a.name.empty() && a.name == b.name && a.transform == b.transform;
-}
-
 bool have_same_vertices(const Scene& a, const Scene& b) {
     return std::equal(
         a.meshes.begin(), a.meshes.end(), b.meshes.begin(), b.meshes.end(),
         [](const Mesh& m, const Mesh& n) { return m.positions == n.positions && m.normals == n.normals; });
-}
-
-std::string name_of(const std::string& name, std::size_t number) {
-    return name.empty() ? std::to_string(number) : "'" + name + "'";
 }
 
 }  // namespace
@@ -61,7 +51,8 @@ void require_live_size(unsigned width, unsigned height) {
 /// The first picture is made at once, so that no answer to a command waits for a kernel to be compiled, or for what
 /// drivers do at its first run.
 View::View(const Device& device, Scene scene, const ViewConfig& config)
-    : scene_(movable(with_camera(std::move(scene), config.render))),
+    : device_(device),
+      scene_(movable(with_camera(std::move(scene), config.render))),
       config_(config),
       home_(*scene_.camera),
       renderer_(std::make_unique<Renderer>(device, scene_, config_.render)),
@@ -74,19 +65,6 @@ View::View(const Device& device, Scene scene, const ViewConfig& config)
 float View::size() const {
     const Bounds bounds = bounds_of(scene_);
     return bounds.empty() ? 1.f : std::max(glm::length(bounds.extent()), 1e-6f);
-}
-
-template <class Part, class Edit>
-void View::change(std::vector<Part> Scene::*part, const SceneChanges& changes, const Edit& edit) {
-    std::vector<Part> before = scene_.*part;
-    try {
-        edit(scene_.*part);
-        renderer_->update(scene_, changes);
-    } catch (...) {
-        scene_.*part = std::move(before);
-        throw;
-    }
-    spp_ = 0;
 }
 
 void View::set_camera(const Camera& camera) {
@@ -113,8 +91,15 @@ void View::render(double seconds, const Interrupted& interrupted) {
         spp_ = interrupted ? renderer.render_for(0, goes_on).spp : renderer.render_for(0).spp;
         if (spp_ == 0) return;  // not every pixel has a sample
         preview_.complete_took(seconds_since(begin));
+        curve_ = {}, ++run_;
     }
-    if (const double left = seconds - seconds_since(begin); left > 0) spp_ = renderer.render_for(left).spp;
+    double noise = 0;
+    for (double left = seconds - seconds_since(begin); left > 0; left = seconds - seconds_since(begin)) {
+        const RenderProgress progress = renderer.render_for(interrupted ? std::min(left, longest_slice) : left);
+        spp_ = progress.spp, noise = progress.noise;
+        if (spp_ >= config_.render.spp || (interrupted && interrupted())) break;
+    }
+    curve_.add(seconds_since(begin), spp_, noise);
 }
 
 bool View::wants_preview() const { return !paused_ && !denoises_ && shows_ == "image" && preview_.is_smaller(); }
@@ -153,18 +138,24 @@ std::span<const std::uint8_t> View::shown() {
 }
 
 const Frame& View::shown_frame() {
-    const bool complete = paused_ || (!playing_ && !previewing_ && spp_ >= config_.render.spp);
+    const bool moves = playing_ || spin_ != 0 || previewing_;
+    const bool complete = rests() || (!moves && spp_ >= config_.render.spp);
     frame_ = {config_.render.width, config_.render.height, shown(), spp_, complete, frame_.number + 1};
     return frame_;
 }
 
+/// What measures shares the device with nothing else.
+bool View::rests() const { return paused_ || costs_.is_running(); }
+
 const Frame& View::next_frame(const Interrupted& interrupted) {
     if (playing_) pass_time();
+    if (spin_ != 0) pass_spin();
+    if (costs_.is_running()) take_costs();
     if (spp_ == 0 && wants_preview())
         preview();
-    else if (!paused_ && (previewing_ || spp_ < config_.render.spp))
+    else if (!rests() && (previewing_ || spp_ < config_.render.spp))
         sample_frame(interrupted);
-    if (spp_ > 0 || paused_) return shown_frame();
+    if (spp_ > 0 || rests()) return shown_frame();
     frame_.complete = false;
     return frame_;
 }
@@ -176,36 +167,26 @@ const Frame& View::complete_frame() {
 }
 
 std::string View::run(const ViewCommand& command) {
-    static const std::map<std::string, Handler> handlers = {{"orbit", &View::move_camera},
-                                                            {"turn", &View::move_camera},
-                                                            {"pan", &View::move_camera},
-                                                            {"fly", &View::move_camera},
-                                                            {"zoom", &View::move_camera},
-                                                            {"home", &View::move_camera},
-                                                            {"focus", &View::focus},
-                                                            {"aperture", &View::set_lens},
-                                                            {"exposure", &View::set_exposure},
-                                                            {"tone", &View::choose},
-                                                            {"show", &View::choose},
-                                                            {"denoise", &View::choose},
-                                                            {"pick", &View::pick},
-                                                            {"material", &View::set_material},
-                                                            {"light", &View::move_light},
-                                                            {"move", &View::move_object},
-                                                            {"select", &View::select_light},
-                                                            {"next", &View::select_light},
-                                                            {"drag", &View::drag},
-                                                            {"time", &View::set_time},
-                                                            {"play", &View::set_time},
-                                                            {"resize", &View::resize},
-                                                            {"pause", &View::control},
-                                                            {"camera", &View::control},
-                                                            {"quit", &View::control},
-                                                            {"save", &View::save},
-                                                            {"frames", &View::control},
-                                                            {"finish", &View::control}};
+    static const std::map<std::string, Handler> handlers = {
+        {"orbit", &View::move_camera},   {"turn", &View::move_camera},    {"pan", &View::move_camera},
+        {"fly", &View::move_camera},     {"zoom", &View::move_camera},    {"home", &View::move_camera},
+        {"look", &View::move_camera},    {"spin", &View::control},        {"focus", &View::focus},
+        {"aperture", &View::set_lens},   {"fov", &View::set_lens},        {"exposure", &View::set_exposure},
+        {"stops", &View::set_exposure},  {"tone", &View::choose},         {"show", &View::choose},
+        {"denoise", &View::choose},      {"pick", &View::pick},           {"material", &View::set_material},
+        {"light", &View::move_light},    {"lamp", &View::set_light},      {"move", &View::move_object},
+        {"rotate", &View::move_object},  {"scale", &View::move_object},   {"object", &View::select},
+        {"edit", &View::select},         {"deselect", &View::select},     {"select", &View::select_light},
+        {"next", &View::select_light},   {"drag", &View::drag},           {"hold", &View::change_history},
+        {"undo", &View::change_history}, {"redo", &View::change_history}, {"explain", &View::explain},
+        {"time", &View::set_time},       {"play", &View::set_time},       {"resize", &View::resize},
+        {"pause", &View::control},       {"camera", &View::control},      {"quit", &View::control},
+        {"save", &View::save},           {"frames", &View::control},      {"finish", &View::control}};
     try {
-        return (this->*handlers.at(command.name))(command);
+        const Handler handler = handlers.at(command.name);
+        std::string told = (this->*handler)(command);
+        if (handler != &View::move_camera) ++revision_;
+        return told;
     } catch (const Error& error) {
         // What would be a wrong call of the library is here a wrong value of the user's.
         if (error.kind() != ErrorKind::usage) throw;
@@ -221,6 +202,11 @@ std::string View::move_camera(const ViewCommand& command) {
     if (command.name == "turn") set_camera(turn(now, n[0], n[1]));
     if (command.name == "pan") set_camera(pan(now, n[0], n[1]));
     if (command.name == "zoom") set_camera(zoom(now, n[0]));
+    if (command.name == "look") {
+        Camera camera = now;
+        camera.position = {n[0], n[1], n[2]}, camera.target = {n[3], n[4], n[5]};
+        set_camera(camera);
+    }
     if (command.name == "fly") {
         const float unit = 0.01f * size();
         set_camera(fly(now, unit * n[0], unit * n[1], unit * n[2]));
@@ -253,13 +239,14 @@ std::string View::focus(const ViewCommand& command) {
 
 std::string View::set_lens(const ViewCommand& command) {
     Camera camera = *scene_.camera;
-    camera.aperture_radius = command.numbers[0];
+    (command.name == "fov" ? camera.vertical_fov : camera.aperture_radius) = command.numbers[0];
     set_camera(camera);
     return {};
 }
 
 std::string View::set_exposure(const ViewCommand& command) {
-    config_.picture.exposure = std::clamp(config_.picture.exposure + command.numbers[0], -64.f, 64.f);
+    const float before = command.name == "stops" ? 0.f : config_.picture.exposure;
+    config_.picture.exposure = std::clamp(before + command.numbers[0], -64.f, 64.f);
     return printed("exposure %g", double(config_.picture.exposure));
 }
 
@@ -280,114 +267,6 @@ glm::vec3 View::point_at(std::size_t pixel, float depth) const {
     return point_through(data, unsigned(pixel % width), unsigned(pixel / width), width, height, depth);
 }
 
-std::string View::pick(const ViewCommand& command) {
-    const std::size_t pixel = pixel_of(command);
-    const Aovs aovs = complete_renderer().aovs();
-    light_.reset();
-    if (aovs.primitive[pixel] == CLARAY_MISS) {
-        selected_.reset();
-        return "no surface there";
-    }
-    held_ = point_at(pixel, aovs.depth[pixel]);
-    std::size_t triangles = 0;
-    for (const Mesh& mesh : scene_.meshes) triangles += mesh.triangles.size();
-    if (aovs.primitive[pixel] >= triangles) {
-        selected_.reset();
-        return "primitive " + std::to_string(aovs.primitive[pixel] - triangles) +
-               ", which cannot be changed, distance " + printed("%.6g", double(aovs.depth[pixel]));
-    }
-    selected_ = selection_of(scene_, aovs.primitive[pixel], held_);
-    const Material& material = scene_.materials[selected_->material];
-    const std::string& object = scene_.instances[*selected_->instance].name;
-    return (object.empty() ? "" : "object " + name_of(object, 0) + ", ") + "mesh " +
-           name_of(scene_.meshes[selected_->mesh].name, selected_->mesh) + ", triangle " +
-           std::to_string(selected_->triangle) + ", material " + name_of(material.name, selected_->material) + " (" +
-           effects_of_surface(scene_, *selected_) + "), distance " + printed("%.6g", double(aovs.depth[pixel])) + ", " +
-           std::to_string(aovs.heat[pixel]) + " boxes and triangles tested";
-}
-
-std::string View::set_material(const ViewCommand& command) {
-    if (!selected_) refuse("material: nothing is selected", "select an object with pick X Y");
-    const std::vector<float>& n = command.numbers;
-    const std::map<std::string, glm::vec3 Material::*> colors = {{"albedo", &Material::albedo},
-                                                                 {"emission", &Material::emission}};
-    const std::map<std::string, float Material::*> values = {{"roughness", &Material::roughness},
-                                                             {"metallic", &Material::metallic},
-                                                             {"ior", &Material::ior},
-                                                             {"transmission", &Material::transmission}};
-    change(&Scene::materials, {.materials = true}, [&](std::vector<Material>& materials) {
-        Material& material = materials[selected_->material];
-        if (const auto color = colors.find(command.word); color != colors.end())
-            material.*color->second = {n[0], n[1], n[2]};
-        else if (const auto value = values.find(command.word); value != values.end())
-            material.*value->second = n[0];
-        else
-            refuse("material: unknown value '" + command.word + "'",
-                   "use albedo, emission, roughness, metallic, ior or transmission");
-    });
-    return {};
-}
-
-std::size_t View::light_number(const std::string& command, double number) const {
-    if (!(number >= 0 && number < double(scene_.lights.size())))
-        refuse(command + printed(": there is no light %g", number),
-               printed("the scene has %zu lights; count from 0", scene_.lights.size()));
-    return std::size_t(number);
-}
-
-void View::shift_light(std::size_t light, const glm::vec3& way) {
-    change(&Scene::lights, {.lights = true}, [&](std::vector<Light>& lights) { lights[light].position += way; });
-}
-
-std::string View::move_light(const ViewCommand& command) {
-    const std::vector<float>& n = command.numbers;
-    shift_light(light_number(command.name, double(n[0])), {n[1], n[2], n[3]});
-    return {};
-}
-
-void View::shift_object(const std::string& command, const glm::vec3& way) {
-    if (!selected_) refuse(command + ": nothing is selected", "select an object with pick X Y");
-    const MeshInstance selected = scene_.instances[*selected_->instance];
-    change(&Scene::instances, {.instances = true}, [&](std::vector<MeshInstance>& instances) {
-        for (std::size_t i = 0; i < instances.size(); ++i) {
-            MeshInstance& instance = instances[i];
-            if (i != *selected_->instance && !are_parts_of_one(instance, selected)) continue;
-            instance.transform[3] += glm::vec4(way, 0.f);
-            if (instance.transform_end) (*instance.transform_end)[3] += glm::vec4(way, 0.f);
-        }
-    });
-    held_ += way;
-}
-
-std::string View::move_object(const ViewCommand& command) {
-    const std::vector<float>& n = command.numbers;
-    shift_object(command.name, {n[0], n[1], n[2]});
-    return {};
-}
-
-std::string View::select_light(const ViewCommand& command) {
-    const std::size_t next = light_ && *light_ + 1 < scene_.lights.size() ? *light_ + 1 : 0;
-    light_ = light_number(command.name, command.name == "next" ? double(next) : double(command.numbers[0]));
-    selected_.reset();
-    const Light& light = scene_.lights[*light_];
-    return printed("light %zu: %s", *light_, traits_of(light.kind)->name) +
-           (traits_of(light.kind)->far ? std::string()
-                                       : printed(" at %.6g %.6g %.6g", double(light.position.x),
-                                                 double(light.position.y), double(light.position.z)));
-}
-
-std::string View::drag(const ViewCommand& command) {
-    if (!selected_ && !light_)
-        refuse("drag: nothing is selected", "select an object with pick X Y, or a light with select NUMBER");
-    if (light_) (void)light_number(command.name, double(*light_));
-    if (light_ && traits_of(scene_.lights[*light_].kind)->far)
-        refuse("drag: the selected light has no place", "select a point or a spot");
-    const glm::vec3 held = light_ ? scene_.lights[*light_].position : held_;
-    const glm::vec3 way = along_image(*scene_.camera, held, command.numbers[0], command.numbers[1]);
-    light_ ? shift_light(*light_, way) : shift_object(command.name, way);
-    return {};
-}
-
 void View::show_time(double time) {
     Scene then = movable(config_.animation.scene_at(time));
     then.camera = scene_.camera, then.materials = scene_.materials;
@@ -400,6 +279,7 @@ void View::show_time(double time) {
         throw;
     }
     scene_ = std::move(then);
+    history_.clear();
     spp_ = 0, time_ = time;
 }
 
@@ -410,6 +290,13 @@ void View::pass_time() {
     const double passed = std::chrono::duration<double>(time_at_ - before).count();
     const double time = time_ + (animation.step > 0 ? animation.step : passed);
     show_time(animation.seconds > 0 ? std::fmod(time, animation.seconds) : time);
+}
+
+void View::pass_spin() {
+    const Clock::time_point before = std::exchange(spun_at_, Clock::now());
+    if (paused_) return;
+    const auto degrees = float(double(spin_) * std::chrono::duration<double>(spun_at_ - before).count());
+    set_camera(orbit(*scene_.camera, degrees, 0));
 }
 
 std::string View::set_time(const ViewCommand& command) {
@@ -452,8 +339,19 @@ std::string View::control(const ViewCommand& command) {
         paused_ = !paused_;
         return paused_ ? "paused" : "continued";
     }
+    if (command.name == "spin") spin_ = command.numbers[0], spun_at_ = Clock::now();
     if (command.name == "quit") ended_ = true;
     return {};
+}
+
+ViewState View::state() const {
+    ViewState state{shows_, denoises_, paused_, playing_, spin_, time_};
+    if (selected_) state.instance = selected_->instance;
+    state.material = material_, state.light = light_, state.revision = revision_, state.run = run_;
+    if (selected_) state.pivot = middle_of_object();
+    if (light_ && *light_ < scene_.lights.size() && !traits_of(scene_.lights[*light_].kind)->far)
+        state.pivot = scene_.lights[*light_].position;
+    return state;
 }
 
 std::string View::save(const ViewCommand& command) {

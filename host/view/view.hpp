@@ -9,6 +9,9 @@
 
 #include "claray/io.hpp"
 #include "claray/renderer.hpp"
+#include "host/view/curve.hpp"
+#include "host/view/edit/effect_costs.hpp"
+#include "host/view/edit/history.hpp"
 #include "host/view/picking.hpp"
 #include "host/view/preview_size.hpp"
 #include "host/view/view_command.hpp"
@@ -42,7 +45,21 @@ struct Frame {
     std::uint64_t number = 0;  ///< frames so far; that of the frame before if no new one was made
 };
 
-/// Asked while the first samples of an image are made, about five times a second; true ends that.
+/// What front ends show beside the image.
+struct ViewState {
+    std::string shows = "image";
+    bool denoises = false, paused = false, playing = false;
+    float spin = 0;                              ///< degrees per second round the target
+    double time = 0;                             ///< of the animation
+    std::optional<std::uint32_t> instance = {};  ///< selected: the first part of an object
+    std::optional<std::uint32_t> material = {};  ///< selected
+    std::optional<std::size_t> light = {};       ///< selected
+    std::optional<glm::vec3> pivot = {};         ///< the middle of what is selected, in the world
+    std::uint64_t revision = 0;                  ///< counts changes of all but the camera and the time
+    unsigned run = 0;                            ///< counts restarts of the samples
+};
+
+/// True ends the sampling of a frame. Asked every 20 ms; while the first samples are made, about five times a second.
 using Interrupted = std::function<bool()>;
 
 /// Throws ErrorKind::user for an image whose frames would take too long.
@@ -64,6 +81,14 @@ public:
     /// The last frame; at first one with the first samples.
     [[nodiscard]] const Frame& frame() const { return frame_; }
     [[nodiscard]] const Camera& camera() const { return *scene_.camera; }
+    [[nodiscard]] const Scene& scene() const { return scene_; }
+    [[nodiscard]] const ViewConfig& config() const { return config_; }
+    [[nodiscard]] ViewState state() const;
+    [[nodiscard]] const History& history() const { return history_; }
+    /// The noise of the image since its samples began.
+    [[nodiscard]] const Curve& curve() const { return curve_; }
+    /// What the effects of the scene cost, once the command `explain` has measured it.
+    [[nodiscard]] const EffectCosts& costs() const { return costs_; }
     [[nodiscard]] bool ended() const { return ended_; }
 
 private:
@@ -72,18 +97,22 @@ private:
     /// Changes one list of the scene by `edit`; after an error the list is as before.
     template <class Part, class Edit>
     void change(std::vector<Part> Scene::*part, const SceneChanges& changes, const Edit& edit);
+    void exchange_step(Step& step);
     [[nodiscard]] std::size_t pixel_of(const ViewCommand& command) const;
     [[nodiscard]] std::span<const std::uint8_t> shown();
     [[nodiscard]] float size() const;
     [[nodiscard]] glm::vec3 point_at(std::size_t pixel, float depth) const;
     void render(double seconds, const Interrupted& interrupted = {});
     [[nodiscard]] bool wants_preview() const;
+    [[nodiscard]] bool rests() const;
     void preview();
     /// The renderer of the complete image, which has no samples after a preview.
     [[nodiscard]] Renderer& complete_renderer();
     void sample_frame(const Interrupted& interrupted);
     void show_time(double time);
     void pass_time();
+    void pass_spin();
+    void take_costs();
     [[nodiscard]] const Frame& shown_frame();
 
     std::string move_camera(const ViewCommand& command);
@@ -94,18 +123,28 @@ private:
     std::string pick(const ViewCommand& command);
     std::string set_material(const ViewCommand& command);
     std::string move_light(const ViewCommand& command);
+    std::string set_light(const ViewCommand& command);
     std::string move_object(const ViewCommand& command);
+    std::string select(const ViewCommand& command);
     std::string select_light(const ViewCommand& command);
     std::string drag(const ViewCommand& command);
+    std::string change_history(const ViewCommand& command);
+    void hold_object(const Selection& selection);
+    void hold_nothing();
     [[nodiscard]] std::size_t light_number(const std::string& command, double number) const;
     void shift_light(std::size_t light, const glm::vec3& way);
+    /// Applies `edit` to the transforms of all parts of the selected object.
+    void change_object(const std::string& command, const std::function<glm::mat4(const glm::mat4&)>& edit);
     void shift_object(const std::string& command, const glm::vec3& way);
+    [[nodiscard]] glm::vec3 middle_of_object() const;
+    std::string explain(const ViewCommand& command);
     std::string set_time(const ViewCommand& command);
     std::string resize(const ViewCommand& command);
     void set_size(unsigned width, unsigned height);
     std::string control(const ViewCommand& command);
     std::string save(const ViewCommand& command);
 
+    Device device_;
     Scene scene_;
     ViewConfig config_;
     Camera home_;
@@ -113,8 +152,16 @@ private:
     std::string shows_ = "image";
     bool denoises_ = false;
     std::optional<Selection> selected_;
-    glm::vec3 held_{0.f};                     // the point at which it was selected
-    std::optional<std::size_t> light_;        // selected instead of an object
+    std::vector<std::uint32_t> parts_;       // of the selected object: instances
+    glm::vec3 middle_{0.f};                  // of the selected object, before its transform
+    glm::vec3 held_{0.f};                    // the point at which it was selected
+    std::optional<std::uint32_t> material_;  // selected
+    std::optional<std::size_t> light_;       // selected instead of an object
+    History history_;
+    Curve curve_;
+    EffectCosts costs_;
+    std::uint64_t revision_ = 0;
+    unsigned run_ = 0;
     std::vector<std::uint8_t> false_colors_;  // of a view other than the image
     Frame frame_;
     unsigned spp_ = 0;
@@ -123,6 +170,8 @@ private:
     std::uint32_t seed_ = 0;
     std::chrono::steady_clock::time_point sampled_at_;  // the end of the last sampling
     bool paused_ = false, playing_ = false, ended_ = false;
+    float spin_ = 0;                                 // degrees per second
+    std::chrono::steady_clock::time_point spun_at_;  // when the camera was turned last
     double time_ = 0;                                // of the animation
     std::chrono::steady_clock::time_point time_at_;  // when it was that while the animation played
 };

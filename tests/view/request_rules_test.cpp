@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <httplib.h>
 
+#include "host/view/http/http.hpp"
+
 namespace claray::test {
 namespace {
 
@@ -83,6 +85,36 @@ TEST(RequestRules, BodiesAreShortPlainAndOfKnownLength) {
     EXPECT_EQ(refused({.method = "HEAD"}), 0);
     for (const char* method : {"PUT", "DELETE", "OPTIONS", "TRACE", "CONNECT", "PATCH", "PRI"})
         EXPECT_EQ(refused({.method = method}), 405) << method;
+}
+
+TEST(RequestRules, PiecesOfFilesAreLonger) {
+    const auto posted = [](const char* path, std::size_t length) {
+        return refused({.headers = {{"Content-Length", std::to_string(length)}}, .method = "POST", .path = path});
+    };
+    EXPECT_EQ(posted("/upload", longest_piece), 0);
+    EXPECT_EQ(posted("/upload", longest_piece + 1), 413);
+    EXPECT_EQ(posted("/open", longest_body + 1), 413);
+}
+
+TEST(RequestRules, ATokenIsNeededIfThereIsOne) {
+    const std::string token = "0123456789abcdef";
+    const auto with = [&](const httplib::Headers& headers, const std::string& parameter = {}) {
+        httplib::Request request;
+        request.method = "GET", request.path = "/status", request.headers = headers;
+        request.set_header("Host", "127.0.0.1");
+        if (!parameter.empty()) request.params.emplace("token", parameter);
+        const std::optional<Refusal> refusal = refusal_of(request, "127.0.0.1", token);
+        return refusal ? refusal->status : 0;
+    };
+    EXPECT_EQ(with({}), 401);
+    EXPECT_EQ(with({}, token), 0);
+    for (const char* other : {"0123456789abcde", "0123456789abcdef0", "0123456789abcdeF"})
+        EXPECT_EQ(with({}, other), 401);
+    EXPECT_EQ(with({{"Authorization", "Bearer " + token}}), 0);
+    EXPECT_EQ(with({{"Authorization", token}}), 401);
+    EXPECT_EQ(with({{"Cookie", "a=b; " + cookie_name(token) + "=" + token}}), 0);
+    EXPECT_EQ(with({{"Cookie", "claray-x=" + token}}), 401);
+    EXPECT_EQ(with({{"Cookie", cookie_name(token) + "="}}), 401);
 }
 
 }  // namespace

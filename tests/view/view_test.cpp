@@ -192,6 +192,123 @@ TEST(View, MovesAllPartsOfAnObject) {
     EXPECT_EQ(pixels(view), rendered(scene)) << "the part at another place is another object";
 }
 
+/// Round its own middle, which is not the origin of its mesh.
+TEST(View, TurnsAndScalesAnObjectRoundItsMiddle) {
+    Scene scene = two_spheres();
+    for (glm::vec3& position : scene.meshes[1].positions) position += glm::vec3(0.5f, 0, 0);
+    const glm::vec3 middle = bounds_of(scene.meshes[1]).center();
+    View view(device(), scene, small_view);
+    run(view, "object 2");
+    ASSERT_TRUE(view.state().pivot);
+    EXPECT_LT(glm::distance(*view.state().pivot, middle + glm::vec3(2, 0, 0)), 1e-5f);
+    for (const char* bad : {"object 3", "object -1", "scale 1 0 1", "rotate 0 0 0 10", "edit 2"})
+        EXPECT_TRUE(throws_error(ErrorKind::user, "", [&] { run(view, bad); })) << bad;
+    run(view, "scale 1 2 0.5");
+    run(view, "rotate 0 0 2 90");
+    EXPECT_LT(glm::distance(*view.state().pivot, middle + glm::vec3(2, 0, 0)), 1e-5f);
+    const glm::mat4& transform = view.scene().instances[2].transform;
+    const auto moved = [&](const glm::vec3& from_middle) {
+        return glm::vec3(transform * glm::vec4(middle + from_middle, 1)) - middle - glm::vec3(2, 0, 0);
+    };
+    EXPECT_LT(glm::distance(moved({1, 0, 0}), glm::vec3(0, 1, 0)), 1e-5f);
+    EXPECT_LT(glm::distance(moved({0, 1, 0}), glm::vec3(-2, 0, 0)), 1e-5f);
+    EXPECT_LT(glm::distance(moved({0, 0, 1}), glm::vec3(0, 0, 0.5f)), 1e-5f);
+    EXPECT_EQ(pixels(view), rendered(view.scene()));
+}
+
+TEST(View, ChangesAreUndoneAndMadeAgain) {
+    View view(device(), two_spheres(), small_view);
+    const auto first = pixels(view);
+    EXPECT_EQ(run(view, "undo"), "nothing to undo");
+    run(view, "object 2"), run(view, "move 0 1 0");
+    const auto moved = pixels(view);
+    run(view, "material albedo 0.1 0.9 0.2");
+    run(view, "select 0"), run(view, "lamp intensity 60 60 60");
+    const auto last = pixels(view);
+    EXPECT_NE(last, moved);
+    run(view, "undo"), run(view, "undo");
+    EXPECT_EQ(pixels(view), moved);
+    run(view, "undo");
+    EXPECT_EQ(pixels(view), first);
+    EXPECT_EQ(run(view, "undo"), "nothing to undo");
+    run(view, "redo"), run(view, "redo"), run(view, "redo");
+    EXPECT_EQ(pixels(view), last);
+    EXPECT_EQ(run(view, "redo"), "nothing to redo");
+    run(view, "undo"), run(view, "lamp intensity 10 10 10");
+    EXPECT_EQ(run(view, "redo"), "nothing to redo") << "another change was made";
+}
+
+TEST(View, WhatIsHeldIsOneStep) {
+    View view(device(), two_spheres(), small_view);
+    const auto first = pixels(view);
+    run(view, "object 1"), run(view, "hold on");
+    run(view, "material roughness 0.1 0 0"), run(view, "material albedo 1 0 0"), run(view, "material albedo 0 1 0");
+    run(view, "hold off");
+    const auto held = pixels(view);
+    run(view, "move 0 0.5 0"), run(view, "move 0 0.5 0");
+    EXPECT_EQ(view.history().to_undo(), 3u);
+    run(view, "undo"), run(view, "undo");
+    EXPECT_EQ(pixels(view), held);
+    run(view, "undo");
+    EXPECT_EQ(pixels(view), first);
+}
+
+TEST(View, OrbitsByItself) {
+    View view(device(), two_spheres(), small_view);
+    const Camera home = view.camera();
+    run(view, "spin 90");
+    (void)view.next_frame();
+    EXPECT_NE(view.camera().position, home.position);
+    EXPECT_EQ(view.camera().target, home.target);
+    EXPECT_FALSE(view.next_frame().complete);
+    run(view, "spin 0"), run(view, "look 0 1 8 0 0 0"), run(view, "fov 30");
+    EXPECT_EQ(view.camera().position, home.position);
+    EXPECT_EQ(view.camera().vertical_fov, 30.f);
+    Scene scene = two_spheres();
+    scene.camera->vertical_fov = 30;
+    EXPECT_EQ(pixels(view), rendered(scene));
+}
+
+TEST(View, TellsHowTheNoiseFell) {
+    ViewConfig config = small_view;
+    config.render.spp = 64;
+    View view(device(), two_spheres(), config);
+    (void)view.complete_frame();
+    const std::vector<CurvePoint> points = view.curve().points();
+    ASSERT_FALSE(points.empty());
+    EXPECT_EQ(points.back().spp, 64u);
+    Renderer renderer(device(), view.scene(), config.render);
+    EXPECT_NEAR(points.back().noise, renderer.render().noise, 1e-6);
+    const unsigned before = view.state().run;
+    run(view, "orbit 5 0");
+    (void)view.next_frame();
+    EXPECT_NE(view.state().run, before);
+}
+
+TEST(View, MeasuresEffectsWhileItGoesOn) {
+    ViewConfig config = small_view;
+    View view(device(), two_spheres(), config);
+    EXPECT_TRUE(view.costs().explanation().effects.empty());
+    run(view, "explain");
+    EXPECT_TRUE(view.costs().is_running());
+    run(view, "orbit 5 0");
+    while (view.costs().is_running()) (void)view.next_frame();
+    const std::vector<measure::ExplainedEffect>& effects = view.costs().explanation().effects;
+    EXPECT_EQ(effects.size(), causes_of_effects(view.scene()).size());
+    EXPECT_TRUE(std::any_of(effects.begin(), effects.end(), [](const auto& effect) { return !effect.fixed; }));
+    run(view, "explain");  // and ends with the view
+}
+
+TEST(Curve, PointsAreApartOnALogarithmicAxis) {
+    Curve curve;
+    for (unsigned spp = 1; spp <= 1000; ++spp) curve.add(0.5, spp, spp == 1 ? 0 : 1 / std::sqrt(spp));
+    EXPECT_EQ(curve.points().front().spp, 4u);
+    EXPECT_EQ(curve.points().back().spp, 1000u);
+    EXPECT_DOUBLE_EQ(curve.points().back().seconds, 500);
+    EXPECT_LT(curve.points().size(), 60u);
+    EXPECT_GT(curve.points().size(), 30u);
+}
+
 TEST(View, KeepsTheSizeThatFits) {
     View view(device(), two_spheres(), small_view);
     const auto first = pixels(view);

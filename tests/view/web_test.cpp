@@ -8,9 +8,12 @@
 #include <unistd.h>
 
 #include <future>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "host/compute/memory.hpp"
+#include "host/view/http/request_rules.hpp"
+#include "host/view/web/page.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/meshes.hpp"
@@ -84,6 +87,13 @@ protected:
     void SetUp() override {
         std::promise<std::string> ready;
         WebConfig web{.port = 0, .goes_on = [this] { return !ends_; }};
+        web.open = [this](const std::filesystem::path& file) {
+            opened_ = file, opened_bytes_ = std::filesystem::file_size(file);
+            if (file.filename() == "bad.obj") throw Error(ErrorKind::user, "bad.obj is no scene", "convert it");
+            Scene scene = one_sphere();
+            scene.materials.resize(2);
+            return View(device(), scene, web_config);
+        };
         web.ready = [&](const std::string& url) { ready.set_value(url); };
         served_ = std::async(std::launch::async, [this, web] { serve(view_, web); });
         const std::string url = ready.get_future().get();
@@ -107,16 +117,28 @@ protected:
     std::future<void> served_;
     int port_ = 0;
     std::unique_ptr<httplib::Client> client_;
+    std::filesystem::path opened_;  // as the server asked for it
+    std::uintmax_t opened_bytes_ = 0;
 };
 
 TEST_F(ViewWeb, ServesThePage) {
     const auto start = client_->Get("/");
     ASSERT_EQ(status_of(start), 200);
-    for (const char* text : {"\"ArrowLeft\": \"orbit -5 0\"", "<option>error", "drag: orbit", "degreesPerPixel = 0.4"})
-        EXPECT_NE(start->body.find(text), std::string::npos) << text;
-    EXPECT_EQ(start->body.find('@'), std::string::npos);
+    EXPECT_EQ(start->get_header_value("Content-Type"), "text/html");
     EXPECT_EQ(start->get_header_value("X-Frame-Options"), "DENY");
     EXPECT_EQ(start->get_header_value("Cross-Origin-Resource-Policy"), "same-origin");
+    EXPECT_NE(start->get_header_value("Content-Security-Policy").find("default-src 'self'"), std::string::npos);
+    for (const PageFile& file : page_files()) {
+        EXPECT_EQ(file.text.find("://"), file.path == "icon.svg" || file.path == "curve.js"
+                                             ? file.text.find("://www.w3.org/")
+                                             : std::string::npos)
+            << file.path << " names another host";
+        if (file.path != "index.html") {
+            EXPECT_EQ(client_->Get("/" + file.path)->body, file.text);
+        }
+    }
+    EXPECT_EQ(client_->Get("/main.js")->get_header_value("Content-Type"), "text/javascript");
+    EXPECT_EQ(client_->Get("/view.css")->get_header_value("Content-Type"), "text/css");
     EXPECT_EQ(status_of(client_->Get("/", {{"Host", "evil.example"}})), 403);
     EXPECT_EQ(status_of(client_->Get("/picture.png", {{"Sec-Fetch-Site", "cross-site"}})), 403);
     EXPECT_EQ(status_of(client_->Post("/command", {{"Origin", "http://evil.example"}}, "home", "text/plain")), 403);
@@ -127,6 +149,95 @@ TEST_F(ViewWeb, ServesThePage) {
     View other(device(), one_sphere(), web_config);
     EXPECT_TRUE(throws_error(ErrorKind::user, "cannot listen",
                              [&] { serve(other, {.port = port_, .goes_on = [] { return false; }}); }));
+}
+
+TEST_F(ViewWeb, DescribesTheScene) {
+    const auto described = [&] { return nlohmann::json::parse(client_->Get("/scene")->body); };
+    const nlohmann::json scene = described();
+    EXPECT_EQ(scene["objects"].size(), 1u);
+    EXPECT_EQ(scene["objects"][0]["triangles"], one_sphere().meshes[0].triangles.size());
+    EXPECT_EQ(scene["materials"][0]["kind"], "lambert");
+    EXPECT_NEAR(scene["materials"][0]["values"]["albedo"][1].get<double>(), 0.7, 1e-6);
+    EXPECT_EQ(scene["lights"][0]["values"]["position"], nlohmann::json({0, 4, 3}));
+    EXPECT_EQ(scene["effects"][0]["name"], "lambert");
+    EXPECT_EQ(scene["shows"].back(), "error");
+    EXPECT_EQ(scene["keys"]["ArrowLeft"], "orbit -5 0");
+    EXPECT_FALSE(scene["curve"].empty());
+    for (const nlohmann::json& row : scene["material_values"])
+        EXPECT_TRUE(scene["materials"][0]["values"].contains(row["name"])) << row;
+    EXPECT_EQ(post("edit 0"), 200);
+    EXPECT_EQ(post("material albedo 0.25 0.5 0.75"), 200);
+    while (described()["materials"][0]["values"]["albedo"] != nlohmann::json({0.25, 0.5, 0.75}))
+        std::this_thread::yield();
+    EXPECT_EQ(described()["undo"], 1);
+}
+
+TEST_F(ViewWeb, FramesTellTheirState) {
+    const auto state = [&] { return nlohmann::json::parse(client_->Get("/frame")->get_header_value("View-State")); };
+    EXPECT_EQ(state()["spp"], 4);
+    EXPECT_EQ(state()["complete"], true);
+    EXPECT_GT(state()["noise"], 0);
+    EXPECT_EQ(state()["camera"]["position"], nlohmann::json({0, 1, 8}));
+    EXPECT_EQ(state()["instance"], nullptr);
+    EXPECT_EQ(post("object 0"), 200);
+    while (state()["instance"] != 0) std::this_thread::yield();
+    EXPECT_NEAR(state()["pivot"][0].get<double>(), 0, 1e-6);
+    EXPECT_EQ(post("look 0 2 8 0 0 0"), 200);
+    while (state()["camera"]["position"] != nlohmann::json({0, 2, 8})) std::this_thread::yield();
+    EXPECT_EQ(post("edit 7"), 200);
+    while (state()["failed"] != true) std::this_thread::yield();
+    EXPECT_EQ(state()["told"], "edit: there is no material 7; the scene has 1; count from 0");
+}
+
+TEST_F(ViewWeb, OnePageSteers) {
+    const auto steers = [&](const std::string& page) {
+        return client_->Get("/frame?page=" + page)->get_header_value("View-Steers") == "1";
+    };
+    const auto posted = [&](const std::string& page) {
+        return status_of(client_->Post("/command?page=" + page, "orbit 1 0", "text/plain"));
+    };
+    EXPECT_TRUE(steers("a"));
+    EXPECT_FALSE(steers("b"));
+    EXPECT_EQ(client_->Get("/frame?page=b")->get_header_value("View-Pages"), "2");
+    EXPECT_EQ(posted("a"), 200);
+    EXPECT_EQ(posted("b"), 409);
+    EXPECT_EQ(post("orbit 1 0"), 200) << "programs have no page";
+    EXPECT_EQ(status_of(client_->Post("/steer?page=b", "", "text/plain")), 200);
+    EXPECT_TRUE(steers("b"));
+    EXPECT_FALSE(steers("a"));
+    EXPECT_EQ(posted("a"), 409);
+    EXPECT_EQ(posted("b"), 200);
+}
+
+TEST_F(ViewWeb, FilesArriveInPieces) {
+    const auto send = [&](const std::string& request, const std::string& body = {}) {
+        return status_of(client_->Post(request, body, "application/octet-stream"));
+    };
+    EXPECT_EQ(send("/upload?name=a.obj&at=0", "v 0"), 400) << "no drop has begun";
+    EXPECT_EQ(send("/drop"), 200);
+    for (const char* name : {"", "../a.obj", "/etc/a.obj", "a/../../b", "a%0ab", "a%5Cb", "a/", "a//b"})
+        EXPECT_EQ(send("/upload?name=" + std::string(name) + "&at=0", "v"), 400) << name;
+    const std::string piece(longest_piece, 'v');
+    EXPECT_EQ(send("/upload?name=parts/a.obj&at=0", piece), 200);
+    EXPECT_EQ(send("/upload?name=parts/a.obj&at=0", piece + "v"), 413);
+    EXPECT_EQ(send("/upload?name=parts/a.obj&at=5", "end"), 400) << "a piece is missing";
+    EXPECT_EQ(send("/upload?name=parts/a.obj&at=" + std::to_string(piece.size()), "end"), 200);
+    EXPECT_EQ(send("/open?name=b.obj"), 400) << "it was not sent";
+    EXPECT_EQ(send("/open?name=parts/a.obj"), 200);
+    wait_for("opened parts/a.obj");
+    EXPECT_EQ(opened_bytes_, piece.size() + 3);
+    EXPECT_TRUE(std::filesystem::exists(opened_));
+    EXPECT_EQ(nlohmann::json::parse(client_->Get("/scene")->body)["materials"].size(), 2u)
+        << "the scene that was opened";
+    EXPECT_EQ(send("/drop"), 200);
+    EXPECT_TRUE(std::filesystem::exists(opened_)) << "it is shown, and may be read again";
+    EXPECT_EQ(send("/upload?name=bad.obj&at=0", "bad"), 200);
+    EXPECT_EQ(send("/open?name=bad.obj"), 200);
+    wait_for("bad.obj is no scene; convert it");
+    EXPECT_EQ(nlohmann::json::parse(client_->Get("/scene")->body)["materials"].size(), 2u) << "the scene before";
+    ends_ = true, served_.get();
+    EXPECT_FALSE(std::filesystem::exists(opened_));
+    served_ = std::async(std::launch::deferred, [] {});
 }
 
 TEST_F(ViewWeb, TellsErrorsUntilACommandSucceeds) {
@@ -247,6 +358,30 @@ TEST(ViewWebServer, ALostDeviceEndsIt) {
     web.ready = [&](const std::string&) { fail_command(device(), 2); };
     EXPECT_TRUE(throws_error(ErrorKind::device, "cannot run the kernel", [&] { serve(view, web); }));
     fail_command(device(), 0);
+}
+
+TEST(ViewWebServer, OtherComputersNeedAToken) {
+    View view(device(), one_sphere(), web_config);
+    WebConfig web{.host = "0.0.0.0", .port = 0, .goes_on = [] { return true; }};
+    web.ready = [&](const std::string& url) {
+        const std::size_t mark = url.find("/?token=");
+        ASSERT_NE(mark, std::string::npos) << url;
+        const std::string token = url.substr(mark + 8);
+        EXPECT_EQ(token.size(), 32u);
+        httplib::Client client("127.0.0.1", std::stoi(url.substr(url.rfind(':', mark) + 1)));
+        for (const char* path : {"/", "/main.js", "/frame", "/scene", "/picture.png", "/?token=0"})
+            EXPECT_EQ(status_of(client.Get(path)), 401) << path;
+        EXPECT_EQ(status_of(client.Post("/command", "quit", "text/plain")), 401);
+        const auto page = client.Get("/?token=" + token);
+        ASSERT_EQ(status_of(page), 200);
+        const std::string cookie = page->get_header_value("Set-Cookie");
+        EXPECT_NE(cookie.find("HttpOnly; SameSite=Strict"), std::string::npos) << cookie;
+        const httplib::Headers by_cookie = {{"Cookie", "other=1; " + cookie.substr(0, cookie.find(';'))}};
+        EXPECT_EQ(status_of(client.Get("/main.js", by_cookie)), 200);
+        EXPECT_EQ(status_of(client.Get("/status", {{"Authorization", "Bearer " + token}})), 200);
+        EXPECT_EQ(status_of(client.Post("/command", by_cookie, "quit", "text/plain")), 200);
+    };
+    serve(view, web);
 }
 
 TEST(ViewWebServer, QuitEndsIt) {

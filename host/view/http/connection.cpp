@@ -12,7 +12,7 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr std::size_t longest_request = 65536;  // bytes, with its headers
+constexpr std::size_t longest_request = 65536;  // bytes, until its headers are read
 constexpr auto longest_arrival = seconds(10), longest_write = seconds(5);
 constexpr std::size_t most_discarded = 1 << 20;  // bytes
 constexpr auto longest_lingering = seconds(1);
@@ -43,6 +43,8 @@ bool Connection::has_request(std::chrono::seconds idle) {
     left_ = longest_request, until_ = Clock::now() + longest_arrival;
     return true;
 }
+
+void Connection::expect(std::size_t bytes) { left_ = bytes; }
 
 void Connection::linger() {
     ::shutdown(socket_, SHUT_WR);

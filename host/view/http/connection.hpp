@@ -21,6 +21,8 @@ public:
 
     /// Waits for the first byte of a request; false if none comes in time.
     [[nodiscard]] bool has_request(std::chrono::seconds idle);
+    /// So many bytes of a body follow the headers, which were read.
+    void expect(std::size_t bytes);
     /// Sends the end of the answer, and lets the client read it although not all that it sent was read: a socket that
     /// is closed with bytes to read takes the answer with it (RFC 9112, section 9.6).
     void linger();

@@ -52,7 +52,15 @@ public:
     virtual void stop() = 0;
 };
 
-/// `host`: the address to listen at. Throws ErrorKind::user if this claray has no server.
-[[nodiscard]] std::unique_ptr<HttpServer> make_http_server(const std::string& host);
+/// `host`: the address to listen at. `token`: that every request must have, in its address, as a cookie or as a header
+/// Authorization; empty: none. Throws ErrorKind::user if this claray has no server.
+[[nodiscard]] std::unique_ptr<HttpServer> make_http_server(const std::string& host, const std::string& token);
+
+/// The name of the cookie with a token: two servers of one host have two.
+[[nodiscard]] inline std::string cookie_name(const std::string& token) { return "claray-" + token.substr(0, 8); }
+/// The value of a header Set-Cookie, by which a page that was opened with the token sends it with each request.
+[[nodiscard]] inline std::string cookie_of(const std::string& token) {
+    return cookie_name(token) + "=" + token + "; Path=/; HttpOnly; SameSite=Strict";
+}
 
 }  // namespace claray::view

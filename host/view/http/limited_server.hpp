@@ -11,13 +11,13 @@ namespace claray::view {
 /// bodies are read, ranges are not made, and their connections end.
 class LimitedServer : public httplib::Server {
 public:
-    /// `host`: that it listens at.
-    explicit LimitedServer(std::string host);
+    /// `host`: that it listens at. `token`: that requests must have; empty: none.
+    LimitedServer(std::string host, std::string token);
 
 private:
     bool process_and_close_socket(socket_t socket) override;
 
-    std::string host_;
+    std::string host_, token_;
 };
 
 }  // namespace claray::view

@@ -3,11 +3,11 @@
 
 namespace claray::view {
 
-std::unique_ptr<HttpServer> make_http_server(const std::string& host) {
-    auto* const make = plugin_function<HttpServer*(const char*)>(
+std::unique_ptr<HttpServer> make_http_server(const std::string& host, const std::string& token) {
+    auto* const make = plugin_function<HttpServer*(const char*, const char*)>(
         "claray-http.so", "claray_http_server",
         "the web page cannot be served: ", "install claray with claray-http.so");
-    return std::unique_ptr<HttpServer>(make(host.c_str()));
+    return std::unique_ptr<HttpServer>(make(host.c_str(), token.c_str()));
 }
 
 }  // namespace claray::view

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <sstream>
+
+#include "host/view/http/http.hpp"
 
 namespace claray::view {
 namespace {
@@ -51,6 +54,28 @@ bool is_of_another_origin(const httplib::Request& request, const std::string& ho
     return request.has_header("Origin") && lower(request.get_header_value("Origin")) != "http://" + lower(host);
 }
 
+/// The time does not depend on where the texts differ.
+bool are_equal(const std::string& a, const std::string& b) {
+    unsigned differences = a.size() == b.size() ? 0 : 1;
+    for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
+        differences |= unsigned(static_cast<unsigned char>(a[i]) ^ static_cast<unsigned char>(b[i]));
+    return differences == 0;
+}
+
+/// The value of a cookie; empty if the request has none of this name (RFC 6265, section 5.4).
+std::string cookie(const httplib::Request& request, const std::string& name) {
+    std::istringstream cookies(request.get_header_value("Cookie"));
+    for (std::string pair; std::getline(cookies >> std::ws, pair, ';');)
+        if (pair.starts_with(name + "=")) return pair.substr(name.size() + 1);
+    return {};
+}
+
+bool has_token(const httplib::Request& request, const std::string& token) {
+    const std::string given = request.has_param("token") ? request.get_param_value("token") : std::string();
+    return token.empty() || are_equal(given, token) || are_equal(cookie(request, cookie_name(token)), token) ||
+           are_equal(request.get_header_value("Authorization"), "Bearer " + token);
+}
+
 std::optional<Refusal> refusal_of_body(const httplib::Request& request) {
     if (request.has_header("Content-Encoding")) return Refusal{415, "a compressed body is not read"};
     if (request.has_header("Transfer-Encoding")) return Refusal{411, "a body without its length is not read"};
@@ -63,8 +88,9 @@ std::optional<Refusal> refusal_of_body(const httplib::Request& request) {
     if (text.empty() || end != text.data() + text.size() || error == std::errc::invalid_argument)
         return Refusal{400, "the length of the body is not a number"};
     if (request.method != "POST" && length > 0) return Refusal{400, "only POST has a body"};
-    if (error == std::errc::result_out_of_range || length > longest_body)
-        return Refusal{413, "a body may have " + std::to_string(longest_body) + " bytes"};
+    const std::size_t longest = request.path == "/upload" ? longest_piece : longest_body;
+    if (error == std::errc::result_out_of_range || length > longest)
+        return Refusal{413, "a body may have " + std::to_string(longest) + " bytes"};
     return {};
 }
 
@@ -74,12 +100,21 @@ std::string url_host(const std::string& host) {
     return host.find(':') == std::string::npos ? lower(host) : "[" + lower(host) + "]";
 }
 
-std::optional<Refusal> refusal_of(const httplib::Request& request, const std::string& served) {
+std::size_t body_of(const httplib::Request& request) {
+    const std::string text = request.get_header_value("Content-Length");
+    std::size_t length = 0;
+    (void)std::from_chars(text.data(), text.data() + text.size(), length);
+    return length;
+}
+
+std::optional<Refusal> refusal_of(const httplib::Request& request, const std::string& served,
+                                  const std::string& token) {
     const std::string host = request.get_header_value("Host");
     if (request.get_header_value_count("Host") != 1 || !is_served(host_of(host), served))
         return Refusal{403, "the view is not served to other hosts; see claray view --host"};
     if (is_of_another_site(request) || is_of_another_origin(request, host))
         return Refusal{403, "the view is not served to pages of other sites"};
+    if (!has_token(request, token)) return Refusal{401, "a token is needed; open the address that claray view printed"};
     if (request.method != "GET" && request.method != "HEAD" && request.method != "POST")
         return Refusal{405, "use GET or POST"};
     return refusal_of_body(request);

@@ -10,7 +10,8 @@ struct Request;
 
 namespace claray::view {
 
-inline constexpr std::size_t longest_body = 4096;  ///< bytes; a command is a line
+inline constexpr std::size_t longest_body = 4096;      ///< bytes; a command is a line
+inline constexpr std::size_t longest_piece = 1 << 20;  ///< bytes of a file, which comes in pieces
 
 /// A host as URLs write it: in lower case, an IPv6 address in brackets.
 [[nodiscard]] std::string url_host(const std::string& host);
@@ -23,7 +24,10 @@ struct Refusal {
 
 /// Judges a request by its method and headers alone. `served` is the host that the server listens at. Requests that
 /// name another host, that come from a page of another origin, or whose body is long, compressed or of unknown length
-/// are refused. "0.0.0.0" and "::" may be named in any way.
-[[nodiscard]] std::optional<Refusal> refusal_of(const httplib::Request& request, const std::string& served);
+/// are refused. "0.0.0.0" and "::" may be named in any way. Requests without the token are refused if it is not empty.
+[[nodiscard]] std::optional<Refusal> refusal_of(const httplib::Request& request, const std::string& served,
+                                                const std::string& token = {});
+/// Bytes of the body of a request that is not refused.
+[[nodiscard]] std::size_t body_of(const httplib::Request& request);
 
 }  // namespace claray::view

@@ -1,5 +1,6 @@
 #include "host/view/web/exchange.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -9,21 +10,32 @@ namespace {
 constexpr std::size_t most_waiting = 256;  // commands
 constexpr std::uint64_t most_streams = 32;
 constexpr auto longest_wait = std::chrono::milliseconds(500);
-constexpr auto longest_picture = std::chrono::seconds(10);
+constexpr auto longest_idle = std::chrono::milliseconds(50);  // until it is asked whether the view goes on
+constexpr auto longest_making = std::chrono::seconds(10);
 
 Bytes shared(std::string bytes) { return std::make_shared<const std::string>(std::move(bytes)); }
 
 }  // namespace
 
-void Exchange::publish(std::string jpeg, std::string status) {
+void Exchange::publish(std::string jpeg, std::string status, std::string state) {
     const std::lock_guard lock(mutex_);
-    jpeg_ = shared(std::move(jpeg)), status_ = std::move(status), ++frames_;
+    jpeg_ = shared(std::move(jpeg)), status_ = std::move(status), state_ = std::move(state), ++frames_;
     changed_.notify_all();
 }
 
 std::string Exchange::status() const {
     const std::lock_guard lock(mutex_);
     return status_;
+}
+
+std::string Exchange::state() const {
+    const std::lock_guard lock(mutex_);
+    return state_;
+}
+
+void Exchange::set_state(std::string state) {
+    const std::lock_guard lock(mutex_);
+    state_ = std::move(state);
 }
 
 std::uint64_t Exchange::open_stream() {
@@ -42,22 +54,25 @@ Bytes Exchange::next_frame(std::uint64_t& seen) {
     return std::exchange(seen, frames_) != frames_ ? jpeg_ : nullptr;
 }
 
-Bytes Exchange::picture() {
+Bytes Exchange::ask(Made what) {
     std::unique_lock lock(mutex_);
-    const std::uint64_t before = pictures_;
-    wants_picture_ = true;
-    changed_.wait_for(lock, longest_picture, [&] { return pictures_ > before || ended_; });
-    return pictures_ > before ? png_ : nullptr;
+    Wish& wish = wishes_.at(std::size_t(what));
+    const std::uint64_t before = wish.count;
+    wish.is_open = true;
+    asked_.notify_all();
+    changed_.wait_for(lock, longest_making, [&] { return wish.count > before || ended_; });
+    return wish.count > before ? wish.bytes : nullptr;
 }
 
-bool Exchange::wants_picture() const {
+bool Exchange::wants(Made what) const {
     const std::lock_guard lock(mutex_);
-    return wants_picture_;
+    return wishes_.at(std::size_t(what)).is_open;
 }
 
-void Exchange::give_picture(std::string png) {
+void Exchange::give(Made what, std::string bytes) {
     const std::lock_guard lock(mutex_);
-    png_ = shared(std::move(png)), ++pictures_, wants_picture_ = false;
+    Wish& wish = wishes_.at(std::size_t(what));
+    wish.bytes = shared(std::move(bytes)), ++wish.count, wish.is_open = false;
     changed_.notify_all();
 }
 
@@ -65,6 +80,7 @@ bool Exchange::add(ViewCommand command) {
     const std::lock_guard lock(mutex_);
     if (commands_.size() >= most_waiting) return false;
     commands_.push_back(std::move(command));
+    asked_.notify_all();
     return true;
 }
 
@@ -76,6 +92,14 @@ bool Exchange::has_commands() const {
 std::deque<ViewCommand> Exchange::take() {
     const std::lock_guard lock(mutex_);
     return std::exchange(commands_, {});
+}
+
+void Exchange::wait_for_clients() {
+    std::unique_lock lock(mutex_);
+    asked_.wait_for(lock, longest_idle, [&] {
+        return !commands_.empty() ||
+               std::any_of(wishes_.begin(), wishes_.end(), [](const Wish& wish) { return wish.is_open; });
+    });
 }
 
 void Exchange::end() {

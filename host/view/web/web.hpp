@@ -1,6 +1,7 @@
 // The view as a web page: pushes frames, takes commands.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <string>
 
@@ -9,10 +10,15 @@
 namespace claray::view {
 
 struct WebConfig {
-    std::string host = "127.0.0.1";  ///< address to listen at; other computers see it only if told
-    int port = 8080;                 ///< 0: any that is free
-    std::function<bool()> goes_on;   ///< asked between frames
+    /// Address to listen at. If other computers can reach it, every request must have a token, which `ready` receives.
+    std::string host = "127.0.0.1";
+    int port = 8080;                ///< 0: any that is free
+    std::function<bool()> goes_on;  ///< asked between frames
     std::function<void(const std::string& url)> ready = {};
+    /// Loads another scene, of a file that was dropped on the page. Empty: files are refused.
+    std::function<View(const std::filesystem::path&)> open = {};
+    /// A command line, and the text of a job file, that render what is seen. Empty: there is none.
+    std::function<std::string(const View&)> command_line = {}, job = {};
 };
 
 /// Serves the view until it ends or `goes_on` returns false. No web site can reach the view through its visitors, and
