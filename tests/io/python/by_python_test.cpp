@@ -62,15 +62,12 @@ TEST_F(ByPython, FilesAreKnown) {
 }
 
 TEST_F(ByPython, MissingPackagesAreNamed) {
-    const std::vector<std::string> words = {"scene.usda", "usd-core", "pip install claray usd-core"};
-    {
-        const ScopedEnvironment variable("CLARAY_PYTHON", python("exit 77"));
-        refuse(usd(), words);
-    }
-    const ScopedEnvironment variable("CLARAY_PYTHON", "/nonexistent/python");
-    refuse(usd(), words);
     const ScopedEnvironment blender("CLARAY_BLENDER", "/nonexistent/blender");
-    refuse(folder.file("a.blend", "BLENDER-v500").string(), {"a.blend", "not installed", "pip install bpy"});
+    for (const std::string& interpreter : {python("exit 77"), std::string("/nonexistent/python")}) {
+        const ScopedEnvironment variable("CLARAY_PYTHON", interpreter);
+        refuse(usd(), {"scene.usda", "usd-core", "pip install claray usd-core"});
+        refuse(folder.file("a.blend", "BLENDER-v500").string(), {"a.blend", "not installed", "pip install bpy"});
+    }
 }
 
 TEST_F(ByPython, CrashesAndFaultsAreOneLine) {
