@@ -78,6 +78,28 @@ if(TARGET claray_program)
         install(TARGETS claray_import RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/claray COMPONENT import)
     endif()
 endif()
+# What the program tells of its options: completions of shells and the manual page.
+if(TARGET claray_program AND NOT CMAKE_CROSSCOMPILING)
+    set(told "${CMAKE_BINARY_DIR}/told")
+    set(zsh site-functions)
+    if(CMAKE_INSTALL_PREFIX STREQUAL "/usr" AND EXISTS /etc/debian_version)
+        set(zsh vendor-completions)  # where Debian's zsh looks for those of packages
+    endif()
+    add_custom_command(
+        OUTPUT "${told}/claray" "${told}/_claray" "${told}/claray.fish" "${told}/claray.1.gz"
+        COMMAND ${CMAKE_COMMAND} -E make_directory "${told}"
+        COMMAND claray_program completion bash > "${told}/claray"
+        COMMAND claray_program completion zsh > "${told}/_claray"
+        COMMAND claray_program completion fish > "${told}/claray.fish"
+        COMMAND claray_program man > "${told}/claray.1"
+        COMMAND gzip -9nf "${told}/claray.1"
+        COMMENT "Writing completions and the manual page" VERBATIM)
+    add_custom_target(claray_told ALL DEPENDS "${told}/claray.1.gz")
+    install(FILES "${told}/claray" DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program)
+    install(FILES "${told}/_claray" DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/${zsh} COMPONENT program)
+    install(FILES "${told}/claray.fish" DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT program)
+    install(FILES "${told}/claray.1.gz" DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
+endif()
 if(PROJECT_IS_TOP_LEVEL)
     include(cmake/Package.cmake)
 endif()

@@ -51,22 +51,6 @@ claray_package(mpi claray-mpi graphics "exact ray queries and path tracing by Op
                "With this package claray renders one image on several machines.")
 claray_package(import claray-import graphics "exact ray queries and path tracing by OpenCL (scenes of other programs)"
                "With this package claray reads FBX, COLLADA, 3DS, OFF and 3MF.")
-# The manual page has the commands of docs/program.md.
-set(manual ".TH CLARAY 1 \"\" \"claray ${PROJECT_VERSION}\"\n.SH NAME\nclaray \\- exact ray queries and path tracing by OpenCL\n.SH SYNOPSIS\n.B claray\n.I COMMAND\n\
-[\\fIOPTION\\fR...]\n.SH COMMANDS\n.B claray COMMAND \\-\\-help\nlists all options of a command.\n")
-file(STRINGS docs/program.md rows REGEX "^\\| `claray [^|]*\\| [^|]*\\|$")
-foreach(row IN LISTS rows)
-    string(REGEX REPLACE "^\\| `([^`]*)` \\| (.*) \\|$" ".TP\n.B \\1\n\\2\n" row "${row}")
-    string(REGEX REPLACE " *\\(\\[[^]]*\\]\\([^)]*\\)\\)" "" row "${row}")
-    string(REGEX REPLACE "\\[([^]]*)\\]\\([^)]*\\)" "\\1" row "${row}")
-    string(REPLACE "`" "" row "${row}")
-    string(REPLACE "-" "\\-" row "${row}")
-    string(APPEND manual "${row}")
-endforeach()
-string(APPEND manual ".SH DEVICES\n.B CLARAY_DEVICE\nnames the device: cpu, gpu, an index or a part of a name.\n")
-file(WRITE "${CMAKE_BINARY_DIR}/packaging/claray.1" "${manual}")
-execute_process(COMMAND gzip -9nf "${CMAKE_BINARY_DIR}/packaging/claray.1")
-install(FILES "${CMAKE_BINARY_DIR}/packaging/claray.1.gz" DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
 set(same "(= ${PROJECT_VERSION})")
 # What packages of programs depend on that link it: the ABI may change with the minor version.
 math(EXPR next_minor "${PROJECT_VERSION_MINOR} + 1")

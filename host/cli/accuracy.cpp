@@ -368,7 +368,7 @@ void add_accuracy_command(CLI::App& app, Action& action) {
                       "Check the errors of the study sampling against a reference with 16 times the samples");
     command->add_flag("--json", o->json, "Print as JSON");
     command->add_option("--device", o->device,
-                        "cpu, gpu, an index or part of a name (see claray devices); several take turns with the\n"
+                        "cpu, gpu, an index or part of a name (see claray devices); several take turns with the "
                         "studies: all, or a list such as gpu,cpu. The first one decides sizes");
     command->add_flag("-q,--quiet", o->quiet, "Print no progress");
     command->callback([&action, command, o] {

@@ -12,9 +12,13 @@
 #include "claray/error.hpp"
 #include "claray/program.hpp"
 #include "claray/program/compiling.hpp"
+#include "host/base/did_you_mean.hpp"
 #include "host/base/message.hpp"
 #include "host/base/process/process.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/help/help.hpp"
+#include "host/cli/help/option_facts.hpp"
+#include "host/cli/job/job.hpp"
 #include "host/cli/output/messages.hpp"
 #include "host/cli/output/progress.hpp"
 #include "host/cli/ranks.hpp"
@@ -27,7 +31,12 @@ namespace {
 std::string unexpected(const CLI::App& command) {
     const std::vector<std::string> words = command.remaining();
     const std::string word = words.empty() ? "?" : words.front();
-    return word.starts_with('-') ? "unknown option '" + word + "'" : "'" + word + "' is an unexpected argument";
+    if (!word.starts_with('-')) return "'" + word + "' is an unexpected argument";
+    const std::string option = word.substr(0, word.find('='));
+    std::vector<std::string> known;
+    for (const CLI::Option* one : options_of(command))
+        for (const std::string& name : spellings_of(*one)) known.push_back(name);
+    return "unknown option '" + option + "'" + did_you_mean(option, known);
 }
 
 /// "--output: 1 required TEXT missing" -> "--output"
@@ -51,11 +60,14 @@ std::string what_is_wrong(const CLI::App& command, const CLI::ParseError& error)
 }
 
 /// One line: what is wrong, where, and what to do. `app` threw `error` when it parsed these arguments.
-std::string usage_error(const CLI::App& app, int argc, char** argv, const CLI::ParseError& error) {
+std::string usage_error(const CLI::App& app, const std::vector<std::string>& arguments, const CLI::ParseError& error) {
     const std::vector<CLI::App*> commands = app.get_subcommands();
     const bool any = !commands.empty();
-    if (!any && argc > 1 && argv[1][0] != '-')
-        return "unknown command '" + std::string(argv[1]) + "'; see claray --help";
+    if (!any && !arguments.empty() && !arguments[0].starts_with('-')) {
+        std::vector<std::string> names;
+        for (const CLI::App* command : commands_of(app)) names.push_back(command->get_name());
+        return "unknown command '" + arguments[0] + "'" + did_you_mean(arguments[0], names) + "; see claray --help";
+    }
     return what_is_wrong(any ? *commands.front() : app, error) + "; see claray " +
            (any ? commands.front()->get_name() + " " : std::string()) + "--help";
 }
@@ -97,19 +109,23 @@ int run_program(int argc, char** argv) {
         "  claray devices\n"
         "  claray render spheres -o spheres.png --device cpu --spp 256\n"
         "  claray render scene.obj -o scene.png --camera 3,2,5 --look-at 0,1,0 --fov 50\n"
-        "'claray COMMAND --help' describes a command. $CLARAY_DEVICE is the default of --device.");
+        "'claray COMMAND --help' describes a command, --help-all with all of its options. $CLARAY_DEVICE is the "
+        "default of --device.");
+    set_help(app);
     app.set_version_flag("--version", "claray " CLARAY_VERSION);
     app.require_subcommand(0, 1);  // without one see below: CLI11 would not name an unknown command
     Action action;
 #define CLARAY_ADD(name) add_##name##_command(app, action);
     CLARAY_COMMANDS(CLARAY_ADD)
 #undef CLARAY_ADD
+    std::vector<std::string> arguments(argv + 1, argv + argc);
+    if (argc > 1 && arguments[0] == "render") arguments = without_job(arguments);
     try {
-        app.parse(argc, argv);
+        app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
         refuse_empty_values(app);
     } catch (const CLI::ParseError& error) {
         if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-        return report_error(ErrorKind::usage, one_line(usage_error(app, argc, argv, error)));
+        return report_error(ErrorKind::usage, one_line(usage_error(app, arguments, error)));
     }
     if (!action) return report_error(ErrorKind::usage, "the command is missing; see claray --help");
     if (!is_quiet(app) && !is_other_rank()) on_compiling(compiling_lines());

@@ -12,14 +12,15 @@
 #include "host/base/folders.hpp"
 #include "host/base/process/process.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/job/job.hpp"
 #include "host/cli/options/load.hpp"
 #include "host/cli/options/render_flags.hpp"
 #include "host/cli/options/render_targets.hpp"
+#include "host/cli/output/frame_stream.hpp"
 #include "host/cli/output/messages.hpp"
 #include "host/cli/output/progress.hpp"
 #include "host/cli/output/render_outputs.hpp"
 #include "host/cli/ranks.hpp"
-#include "host/io/y4m.hpp"
 
 namespace claray::cli {
 namespace {
@@ -39,10 +40,11 @@ void warn_of_culled(const RenderProgress& progress) {
 /// Who renders a picture, and what becomes of it.
 struct PictureJob {
     const std::vector<Device>& devices;
-    ranks::Ranks* helpers = nullptr;                                       // ranks that render parts of it
-    std::function<void(const std::vector<glm::vec3>&)> add_to_video = {};  // instead of a file
-    std::optional<float>* exposure = nullptr;                              // of all frames; the first one sets it
-    std::filesystem::path folder = {};                                     // for files, instead of the output's
+    ranks::Ranks* helpers = nullptr;                                        // ranks that render parts of it
+    std::function<void(const std::vector<glm::vec3>&)> add_to_stream = {};  // instead of a file
+    FrameCount* frames = nullptr;                                           // the picture is one of these
+    std::optional<float>* exposure = nullptr;                               // of all frames; the first one sets it
+    std::filesystem::path folder = {};                                      // for files, instead of the output's
     std::function<bool()> goes_on = [] { return !InterruptGuard::interrupted(); };
 };
 
@@ -87,7 +89,7 @@ private:
 /// Renders until a target is reached or a signal arrives.
 Outcome run_renderer(const PictureJob& job, const PictureRenderer& picture, const RenderOptions& options,
                      TargetPlan* plan) {
-    ProgressDisplay display(options.config, progress_style(options.quiet || is_other_rank()));
+    ProgressDisplay display(options.config, progress_style(options.quiet || is_other_rank()), stderr, job.frames);
     std::optional<InterruptGuard> guard;
     CheckpointWatch checkpoints;
     const auto show = [&](const RenderProgress& so_far) {
@@ -113,16 +115,26 @@ void refuse_lost_checkpoint(const std::string& error) {
 /// A warning, not an error: scripts use the same options for all kinds of images.
 void warn_of_picture_options(const RenderOptions& options) {
     const bool shaped = options.exposure || options.auto_exposure || options.tone_map != RenderOptions{}.tone_map;
-    if (shaped && !options.output.empty() && !is_of_bytes(options.output))
-        print_warning("--exposure and --tone-map apply to .png only: '" + options.output.string() +
-                      "' stores the radiance unchanged");
+    if (options.output.empty()) return;
+    const auto warn = [&](const char* what, const char* why) {
+        print_warning(std::string(what) + ": '" + options.output.string() + "' " + why);
+    };
+    if (shaped && !is_shaped(options))
+        warn("--exposure and --tone-map apply to .png, .jpg, .webp and videos only", "stores the radiance unchanged");
+    const ImageEncoding encoding = encoding_of(options), defaults;
+    const auto format = format_of(options);
+    if (encoding.png_bits != defaults.png_bits && format != ImageFormat::png)
+        warn("--png-bits applies to .png only", "has its own number of bits");
+    const bool has_quality = encoding.quality != defaults.quality || encoding.lossless;
+    if (has_quality && format != ImageFormat::jpeg && format != ImageFormat::webp)
+        warn("--quality applies to .jpg and .webp only", "loses nothing by its encoding");
 }
 
 /// The image and its AOVs. Returns whether the image was written.
 bool write_rendered(const PictureJob& job, Renderer& renderer, const std::vector<glm::vec3>& pixels,
                     RenderOptions options, Writes& writes) {
-    if (job.add_to_video) {
-        job.add_to_video(pixels);  // no later frame could follow one that is missing
+    if (job.add_to_stream) {
+        job.add_to_stream(pixels);  // no later frame could follow one that is missing
         return true;
     }
     if (!job.folder.empty()) options.output = job.folder / options.output.filename();
@@ -168,9 +180,8 @@ bool render_picture(const PictureJob& job, const Scene& scene, RenderOptions opt
     if (!options.trace.empty())
         writes.attempt([&] { write_trace(options.trace, device.profiler().records(), device.info().name); });
     const TargetPlan* planned = plan ? &*plan : nullptr;
-    if (options.output == "-") return !outcome.interrupted;  // standard output has the video
     if (!picture.group) tell_of_idle_options(renderer, options);
-    if (is_written)  // else an error follows
+    if (is_written && options.output != "-")  // else an error follows, or standard output has the picture
         options.json ? print_as_json(device, renderer, options, outcome, planned, denoised, shares)
                      : print_as_text(device, renderer, options, outcome, planned, denoised, shares);
     writes.attempt([&] { refuse_lost_checkpoint(picture.checkpoint_error()); });
@@ -179,7 +190,7 @@ bool render_picture(const PictureJob& job, const Scene& scene, RenderOptions opt
 }
 
 RenderOptions options_of_frame(RenderOptions options, unsigned frame) {
-    if (!is_video(options.output)) options.output = numbered(options.output, frame);
+    if (!is_stream(options)) options.output = numbered(options.output, frame);
     options.view.load.time = frame / options.frame_rate;
     return options;
 }
@@ -188,11 +199,14 @@ RenderOptions options_of_frame(RenderOptions options, unsigned frame) {
 class Animation {
 public:
     Animation(const std::vector<Device>& devices, const RenderOptions& options, Writes& writes)
-        : devices_(devices), options_(options), writes_(writes), next_of_video_(options.animation->first) {
-        if (rank_session() != nullptr && !is_video(options.output))  // other ranks do not know the first frame
+        : devices_(devices),
+          options_(options),
+          writes_(writes),
+          count_(options.animation->last - options.animation->first + 1),
+          next_of_stream_(options.animation->first) {
+        if (rank_session() != nullptr && !is_stream(options))  // other ranks do not know the first frame
             exposure_ = options.exposure.value_or(0.f);
-        if (is_video(options.output))
-            video_.emplace(options.output, options.config.width, options.config.height, options.frame_rate);
+        if (is_stream(options)) stream_.emplace(options);
     }
     /// The first call must be for the first frame.
     [[nodiscard]] Scene load(unsigned frame) {
@@ -202,51 +216,54 @@ public:
     /// Returns false if it was interrupted. The device keeps the kernels of one frame for the others.
     bool render(unsigned frame, const Scene& scene, ranks::Ranks* helpers) {
         PictureJob job{devices_, helpers};
-        job.exposure = &exposure_;
-        if (video_)
-            job.add_to_video = [&, frame](const std::vector<glm::vec3>& pixels) { add_to_video(frame, pixels); };
+        job.exposure = &exposure_, job.frames = &count_;
+        if (stream_)
+            job.add_to_stream = [&, frame](const std::vector<glm::vec3>& pixels) { add_to_stream(frame, pixels); };
         tell_of_signals_until_guarded();
         const bool goes_on = render_picture(job, scene, options_of_frame(options_, frame), writes_);
         std::fflush(stdout);
+        count_.finish_one();
         return goes_on;
     }
-    /// Whether another rank's frame is what it was asked for: files of this frame, or pixels of a video.
+    /// Whether another rank's frame is what it was asked for: files of this frame, or pixels of a stream.
     [[nodiscard]] bool fits(const ranks::RenderedFrame& rendered) const {
         const std::size_t pixels = std::size_t(options_.config.width) * options_.config.height;
-        const bool has_image = !video_ || !rendered.failure.text.empty() || rendered.pixels.size() == pixels;
+        const bool has_image = !stream_ || !rendered.failure.text.empty() || rendered.pixels.size() == pixels;
         const std::string stem = options_of_frame(options_, rendered.frame).output.stem().string();
         return has_image &&
                std::ranges::all_of(rendered.names, [&](const auto& name) { return name.starts_with(stem); });
     }
     /// Of another rank.
     void take(const ranks::RenderedFrame& rendered) {
-        if (video_) add_to_video(rendered.frame, rendered.pixels);
+        count_.finish_one();
+        if (stream_) add_to_stream(rendered.frame, rendered.pixels);
         for (std::size_t i = 0; i < rendered.names.size(); ++i)
             writes_.attempt([&] { write_file(options_.output.parent_path() / rendered.names[i], rendered.files[i]); });
         const ranks::Failure& failure = rendered.failure;
         if (!failure.text.empty()) writes_.attempt([&] { throw Error(ErrorKind(failure.exit_code), failure.text); });
     }
     void commit() {
-        if (video_) video_->commit();
+        if (stream_) stream_->commit();
     }
 
 private:
     /// Frames that come too early wait.
-    void add_to_video(unsigned frame, const std::vector<glm::vec3>& pixels) {
+    void add_to_stream(unsigned frame, const std::vector<glm::vec3>& pixels) {
         const std::lock_guard lock(adding_);
         early_.emplace(frame, pixels);
-        for (; early_.contains(next_of_video_); early_.erase(next_of_video_++))
-            video_->add(early_[next_of_video_], exposure_.value_or(0.f), options_.tone_map);
+        for (; early_.contains(next_of_stream_); early_.erase(next_of_stream_++))
+            stream_->add(early_[next_of_stream_], exposure_.value_or(0.f));
     }
 
     const std::vector<Device>& devices_;
     const RenderOptions& options_;
     Writes& writes_;
+    FrameCount count_;
     std::mutex loading_, adding_;
     FirstFrame first_;
     std::optional<float> exposure_;  // by the first frame
-    std::optional<Y4mVideo> video_;
-    unsigned next_of_video_;
+    std::optional<FrameStream> stream_;
+    unsigned next_of_stream_;
     std::map<unsigned, std::vector<glm::vec3>> early_;
 };
 
@@ -295,11 +312,10 @@ std::optional<ranks::RenderedFrame> render_for_rank_0(const std::vector<Device>&
     const auto folder = scratch_folder();
     ranks::RenderedFrame rendered;
     rendered.frame = frame.number;
-    PictureJob job{devices, nullptr, {}, nullptr, *folder, goes_on};
+    PictureJob job{devices, nullptr, {}, nullptr, nullptr, *folder, goes_on};
     std::optional<float> exposure = options.exposure.value_or(0.f);  // the same on all ranks
     job.exposure = &exposure;
-    if (is_video(options.output))
-        job.add_to_video = [&](const std::vector<glm::vec3>& pixels) { rendered.pixels = pixels; };
+    if (is_stream(options)) job.add_to_stream = [&](const std::vector<glm::vec3>& pixels) { rendered.pixels = pixels; };
     Writes writes;
     if (!render_picture(job, frame.scene, options_of_frame(options, frame.number), writes)) return std::nullopt;
     std::fflush(stdout);
@@ -316,7 +332,7 @@ std::optional<ranks::RenderedFrame> render_for_rank_0(const std::vector<Device>&
 }
 
 void check_all_outputs(const RenderOptions& options) {
-    if (!options.animation || is_video(options.output)) return check_outputs(options);
+    if (!options.animation || is_stream(options)) return check_outputs(options);
     for (const unsigned frame : {options.animation->first, options.animation->last}) {
         RenderOptions one = options;
         one.output = numbered(options.output, frame);
@@ -385,15 +401,19 @@ void add_render_command(CLI::App& app, Action& action) {
         "  claray render cornell -o cornell.png --error 0.02\n"
         "  claray render bunny.obj -o bunny.hdr --size 1920x1080 --time 60s --stats\n"
         "  claray render terrain:1000000 -o terrain.png --aov depth,heat --trace trace.json\n"
-        "  claray render walk.glb -o walk.png --frames 0..47 --frame-rate 24 --animation Walk");
+        "  claray render walk.glb -o walk.png --frames 0..47 --frame-rate 24 --animation Walk\n"
+        "  claray render hills -o hills.png --spp 256 --print-job > hills.json; claray render hills.json");
     command->option_defaults()->take_last();  // so that scripts can override options
     auto options = std::make_shared<RenderOptions>();
+    auto job = std::make_shared<JobOptions>();
     add_render_options(*command, *options);
-    command->callback([&action, command, options] {
+    add_job_options(*command, *job);
+    command->callback([&action, command, options, job] {
         check_targets(*command, *options);
         options->asks_for_guiding = options->config.guide && command->count("--guide") > 0;
         check_render_options(*command);
         action = [options] { render(*options); };
+        if (job->print) action = [command] { std::fputs(job_text(*command).c_str(), stdout); };
     });
 }
 

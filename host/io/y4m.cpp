@@ -31,7 +31,7 @@ Y4mVideo::Y4mVideo(const std::filesystem::path& path, unsigned width, unsigned h
       height_(height),
       header_("YUV4MPEG2 W" + std::to_string(width) + " H" + std::to_string(height) + " F" + fraction_of(rate) +
               " Ip A1:1 C444\n"),
-      file_(video_file(path)) {}
+      file_(path) {}
 
 void Y4mVideo::add(const std::vector<glm::vec3>& pixels, float exposure, ToneMap tone_map) {
     const std::size_t count = std::size_t(width_) * height_;

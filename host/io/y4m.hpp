@@ -11,9 +11,8 @@ namespace claray {
 
 class Y4mVideo {
 public:
-    /// `path`: a file, which appears when `commit` is called; a pipe or "-" (standard output) is written from the first
-    /// frame on, so that nothing is written if there is none.
-    /// `rate`: frames per second, > 0. Throws as NewFile.
+    /// `path`: a file, which appears when `commit` is called; a pipe is written from the first frame on, so that
+    /// nothing is written if there is none. `rate`: frames per second, > 0. Throws as NewFile.
     Y4mVideo(const std::filesystem::path& path, unsigned width, unsigned height, double rate);
 
     /// Adds a frame: 8 bits of BT.601 in limited range, one value of each plane per pixel. Exposure in stops.
@@ -25,10 +24,5 @@ private:
     std::string header_;  // until it is written
     NewFile file_;
 };
-
-/// The file that "-" stands for.
-[[nodiscard]] inline std::filesystem::path video_file(const std::filesystem::path& path) {
-    return path == "-" ? std::filesystem::path("/dev/stdout") : path;
-}
 
 }  // namespace claray

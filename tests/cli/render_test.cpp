@@ -58,7 +58,7 @@ TEST_F(Render, EveryBuiltInScene) {
 
 TEST_F(Render, EveryFormatHasItsSignature) {
     for (const auto& [name, signature] :
-         {std::pair("a.png", "\x89PNG"), {"a.hdr", "#?RADIANCE"}, {"a.pfm", "PF\n24 16\n"}}) {
+         {std::pair("a.png", "\x89PNG"), {"a.jpg", "\xff\xd8"}, {"a.hdr", "#?RADIANCE"}, {"a.pfm", "PF\n24 16\n"}}) {
         ASSERT_EQ(render("cornell", name).exit_code, 0);
         EXPECT_TRUE(read_file(path(name)).starts_with(signature)) << name;
     }

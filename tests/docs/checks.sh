@@ -16,15 +16,15 @@ check_scene() {
 
 check_program() {
     local command=$1 scene='' word previous=''; shift
-    [[ -n ${help[$command]:-} ]] || help[$command]=$("$claray" "$command" --help)
+    [[ -n ${help[$command]:-} ]] || help[$command]=$("$claray" "$command" --help-all)
     grep -q "^Usage: claray $command" <<< "${help[$command]}" || { fail "no command $command"; return; }
     for word in "$@"; do
         case $word in
-            --*) grep -qE -- "${word%%=*}([ ,{]|\$)" <<< "${help[$command]}" || fail "claray $command has no option $word" ;;
+            --*) grep -qE -- "${word%%=*}([ ,[]|\$)" <<< "${help[$command]}" || fail "claray $command has no option $word" ;;
         esac
         [[ $previous == --case ]] && { grep -qx "$word" <<< "$cases" || fail "verify has no case $word"; }
         [[ $command == accuracy && $previous == --only ]] && { grep -qw -- "$word" <<< "${help[accuracy]#*Studies:}" || fail "no study $word"; }
-        [[ -z $scene && -z $previous && $word != -* ]] && { scene=$word; check_scene "$scene"; }
+        [[ -z $scene && -z $previous && $word != -* ]] && grep -qE "^Usage: .* \[?scenes?\b" <<< "${help[$command]}" && { scene=$word; check_scene "$scene"; }
         previous=$word
     done
 }

@@ -5,6 +5,7 @@
 
 #include "claray/error.hpp"
 #include "claray/io.hpp"
+#include "host/cli/help/help.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/output/messages.hpp"
 
@@ -129,6 +130,7 @@ Sky parse_fog(const std::string& text) {
 }  // namespace
 
 void add_light_options(CLI::App& command, LightOptions& o) {
+    OptionGroup group(command, "Light");
     command
         .add_option_function<std::vector<std::string>>(
             "--light",
@@ -136,25 +138,33 @@ void add_light_options(CLI::App& command, LightOptions& o) {
                 for (const std::string& text : texts) o.lights.push_back(parse_light(text));
             },
             "Add a light: its kind (" + kinds() +
-                "), then values as in\n"
+                "), then values as in "
                 "spot,position=0,2,0,direction=0,-1,0,intensity=50,inner=20,outer=30 (degrees; also range, "
                 "linear-range, attenuation)")
         ->take_all()
         ->type_name("TEXT");
-    command.add_flag(
-        "--artist-lights", o.artist_lights,
-        "Points, spots, directional lights and suns, also the scene's, are pi times as bright: a light of\n"
-        "intensity 1 makes a white surface at distance 1 as bright as 1, as many modelling programs do");
-    command.add_option_function<std::string>(
-        "--sky", [&o](const std::string& text) { o.sky = parse_sky(text); },
-        "Radiance from where no surface is: R,G,B, or R,G,B,R,G,B from horizon to zenith");
+    group.next("More light");
+    command.add_flag("--artist-lights", o.artist_lights,
+                     "Points, spots, directional lights and suns, also the scene's, are pi times as bright: a light of "
+                     "intensity 1 makes a white surface at distance 1 as bright as 1, as many modelling programs do");
+    group.next("Light");
+    command
+        .add_option_function<std::string>(
+            "--sky", [&o](const std::string& text) { o.sky = parse_sky(text); },
+            "Radiance from where no surface is: R,G,B, or R,G,B,R,G,B from horizon to zenith")
+        ->type_name("R,G,B");
+    group.next("More light");
     command.add_option_function<std::string>(
         "--fog", [&o](const std::string& text) { o.fog = parse_fog(text); },
-        "Fog between the surfaces: DENSITY,R,G,B[,DEPTH]. exp(-DENSITY d) of the light is left after d units; DEPTH\n"
+        "Fog between the surfaces: DENSITY,R,G,B[,DEPTH]. exp(-DENSITY d) of the light is left after d units; DEPTH "
         "lies before the sky [0]");
-    command.add_option(
-        "--environment", o.environment,
-        "An image round the scene, in place of the sky: latitude and longitude, or a folder with px nx py ny pz nz");
+    group.next("Light");
+    command
+        .add_option(
+            "--environment", o.environment,
+            "An image round the scene, in place of the sky: latitude and longitude, or a folder with px nx py ny pz nz")
+        ->type_name(file_value);
+    group.next("More light");
     command.add_option("--environment-strength", o.strength, "Its radiance times this [1]")->check(number_from_0());
     command.add_option("--environment-rotation", o.rotation, "Turns it by degrees, counter-clockwise from above [0]")
         ->check(finite_number());

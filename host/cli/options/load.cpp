@@ -5,6 +5,7 @@
 #include <set>
 
 #include "claray/error.hpp"
+#include "host/cli/help/help.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/output/messages.hpp"
 #include "host/io/default_light.hpp"
@@ -57,6 +58,7 @@ void print_warnings(const Warnings& warnings) {
 }
 
 void add_load_options(CLI::App& command, LoadOptions& o) {
+    const OptionGroup group(command, "File");
     command.add_option("--at", o.time, "Time in the animation of a glTF, in seconds [rest pose]")
         ->check(number_from_0())
         ->type_name("SECONDS");
@@ -72,6 +74,7 @@ void add_load_options(CLI::App& command, LoadOptions& o) {
 }
 
 void add_surface_options(CLI::App& command, SurfaceOptions& o) {
+    const OptionGroup group(command, "Surfaces");
     command
         .add_option("--cull", o.culling,
                     "Sides of surfaces to leave out: back, none, or file (as in the materials) [file]")

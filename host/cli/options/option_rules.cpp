@@ -7,6 +7,8 @@
 #include <optional>
 
 #include "claray/error.hpp"
+#include "host/base/did_you_mean.hpp"
+#include "host/cli/help/option_facts.hpp"
 
 namespace claray::cli {
 namespace {
@@ -34,7 +36,7 @@ std::string listed(const std::vector<std::string>& names) {
 }
 
 std::string no_such(const std::string& name, const std::vector<std::string>& names) {
-    return "unknown name " + in_quotes(name) + "; choose " + listed(names);
+    return "unknown name " + in_quotes(name) + did_you_mean(name, names) + "; choose " + listed(names);
 }
 
 template <class Good>
@@ -111,25 +113,27 @@ CLI::Validator duration() {
 }
 
 CLI::Validator choice_of(std::vector<std::pair<std::string, int>> choices) {
-    const auto find = [choices = std::move(choices)](std::string& text) {
-        std::vector<std::string> names;
-        for (const auto& [name, number] : choices) {
+    std::vector<std::string> names;
+    std::vector<int> numbers;
+    for (const auto& [name, number] : choices) names.push_back(name), numbers.push_back(number);
+    const std::string validator_name = choices_name(names, numbers);
+    const auto find = [choices = std::move(choices), names = std::move(names)](std::string& text) {
+        for (const auto& [name, number] : choices)
             if (lower_case(text) == name) {
                 text = std::to_string(number);
                 return std::string();
             }
-            names.push_back(name);
-        }
         return no_such(text, names);
     };
-    return CLI::Validator(find, "");
+    return CLI::Validator(find, "", validator_name);
 }
 
 CLI::Validator name_among(std::vector<std::string> names) {
+    const std::string validator_name = choices_name(names);
     const auto check = [names = std::move(names)](const std::string& text) {
         return std::find(names.begin(), names.end(), text) != names.end() ? std::string() : no_such(text, names);
     };
-    return CLI::Validator(check, "");
+    return CLI::Validator(check, "", validator_name);
 }
 
 void refuse_without(const CLI::App& command, const char* option, const char* other) {

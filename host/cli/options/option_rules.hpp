@@ -23,6 +23,9 @@ template <class T>
     return value;
 }
 
+/// The name of the type of values that are paths, also of "MESH=FILE".
+inline constexpr const char* file_value = "FILE";
+
 /// Splits at commas.
 [[nodiscard]] std::vector<std::string> split(const std::string& text);
 /// The numbers between commas. Empty if one is not a finite number.

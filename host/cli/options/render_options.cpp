@@ -1,14 +1,13 @@
 #include "host/cli/options/render_options.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <tuple>
 
 #include "claray/renderer.hpp"
 #include "host/base/format.hpp"
+#include "host/cli/help/help.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/output/outputs.hpp"
-#include "host/io/y4m.hpp"
 
 namespace claray::cli {
 namespace {
@@ -31,11 +30,14 @@ std::pair<unsigned, unsigned> parse_size(const std::string& text) {
 }  // namespace
 
 void add_size_option(CLI::App& command, unsigned& width, unsigned& height, const char* description) {
-    command.add_option_function<std::string>(
-        "--size", [&](const std::string& text) { std::tie(width, height) = parse_size(text); }, description);
+    command
+        .add_option_function<std::string>(
+            "--size", [&](const std::string& text) { std::tie(width, height) = parse_size(text); }, description)
+        ->type_name("WxH");
 }
 
 void add_approximate_option(CLI::App& command, Approximations& approximate, const char* description) {
+    const OptionGroup group(command, "Approximations");
     command
         .add_option_function<std::vector<std::string>>(
             "--approximate",
@@ -58,11 +60,12 @@ void add_guide_flag(CLI::App& command, bool& guide) {
 }
 
 void add_shading_options(CLI::App& command, Approximations& approximate) {
+    const OptionGroup group(command, "Approximations");
     const std::vector<std::pair<std::string, int>> models = {{"flat", 0}, {"gouraud", 1}, {"phong", 2}};
     command
         .add_option_function<int>(
             "--shading", [&](int model) { approximate.flat = model == 0, approximate.gouraud = model == 1; },
-            "Of first surfaces: phong (normals are interpolated), gouraud (colours of vertices are\n"
+            "Of first surfaces: phong (normals are interpolated), gouraud (colours of vertices are "
             "interpolated) or flat (one colour per triangle) [phong]")
         ->transform(choice_of(models))
         ->type_name("NAME");
@@ -76,8 +79,9 @@ void add_shading_options(CLI::App& command, Approximations& approximate) {
 }
 
 void add_light_grid_options(CLI::App& command, LightGridConfig& grid) {
+    const OptionGroup group(command, "Light grid");
     command.add_flag("--grid-voxels", grid.voxels,
-                     "Voxels instead of probes, which give light to the surfaces next to them only; games use\n"
+                     "Voxels instead of probes, which give light to the surfaces next to them only; games use "
                      "--grid-side 32 --grid-levels 2");
     command.add_option("--grid-side", grid.side, "Probes of the light grid per axis [16]")
         ->transform(whole_number(2, 64));
@@ -121,17 +125,37 @@ std::filesystem::path numbered(const std::filesystem::path& output, unsigned fra
            name.replace(percent, end + 1 - percent, printed("%0*u", digits.empty() ? 1 : digits[1] - '0', frame));
 }
 
-bool is_video(const std::filesystem::path& output) { return output == "-" || output.extension() == ".y4m"; }
-
-bool is_of_bytes(const std::filesystem::path& output) {
-    std::string extension = output.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return char(std::tolower(c)); });
-    return is_video(output) || extension == ".png";
+bool is_y4m(const RenderOptions& options) {
+    if (!options.format.empty()) return options.format == "y4m";
+    return options.output == "-" ? options.animation.has_value() : options.output.extension() == ".y4m";
 }
 
-bool is_layer(const std::filesystem::path& output, const std::string& aov) {
-    return output.extension() == ".exr" && aov != "error" && aov != "gbuffer" && aov != "voxels";
+bool is_stream(const RenderOptions& options) {
+    return is_y4m(options) || (options.output == "-" && options.animation.has_value());
+}
+
+ImageEncoding encoding_of(const RenderOptions& options) {
+    ImageEncoding encoding = options.encoding;
+    for (const ImageFormatTraits& traits : image_formats)
+        if (options.format == traits.name) encoding.format = traits.format;
+    if (options.format.empty() && options.output == "-") encoding.format = ImageFormat::png;
+    return encoding;
+}
+
+std::optional<ImageFormat> format_of(const RenderOptions& options) {
+    if (is_y4m(options)) return {};
+    const ImageEncoding encoding = encoding_of(options);
+    return encoding.format ? encoding.format : image_format_of(options.output);
+}
+
+bool is_shaped(const RenderOptions& options) {
+    const auto format = format_of(options);
+    const auto shapes = [&](const ImageFormatTraits& traits) { return traits.format == format && traits.shaped; };
+    return is_y4m(options) || std::ranges::any_of(image_formats, shapes);
+}
+
+bool is_layer(const RenderOptions& options, const std::string& aov) {
+    return format_of(options) == ImageFormat::exr && aov != "error" && aov != "gbuffer" && aov != "voxels";
 }
 
 void use_light_maps(Scene& scene, const std::vector<std::string>& light_maps) {
@@ -155,12 +179,11 @@ std::pair<std::filesystem::path, std::filesystem::path> aov_paths(const std::fil
 }
 
 std::vector<NamedFile> outputs_of(const RenderOptions& options) {
-    std::vector<NamedFile> outputs = {
-        {"--output", is_video(options.output) ? video_file(options.output) : options.output},
-        {"--checkpoint", options.config.checkpoint},
-        {"--trace", options.trace}};
+    std::vector<NamedFile> outputs = {{"--output", named_file(options.output)},
+                                      {"--checkpoint", options.config.checkpoint},
+                                      {"--trace", options.trace}};
     for (const std::string& name : options.aovs) {
-        if (is_layer(options.output, name)) continue;
+        if (is_layer(options, name)) continue;
         const auto [picture, raw] = aov_paths(options.output, name);
         if (name == "gbuffer")
             for (const char* view : gbuffer_views)
@@ -180,7 +203,8 @@ std::vector<NamedFile> inputs_of(const RenderOptions& options) {
 }
 
 void check_outputs(const RenderOptions& options) {
-    if (!options.output.empty() && !is_video(options.output)) check_writable(options.output);  // its extension, too
+    if (!options.output.empty() && !is_y4m(options))  // its extension, too
+        check_writable(named_file(options.output), encoding_of(options));
     check_outputs(outputs_of(options), inputs_of(options));
 }
 

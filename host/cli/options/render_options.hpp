@@ -19,7 +19,9 @@ struct FrameRange {
 
 struct RenderOptions {
     std::string scene;
-    std::filesystem::path output;
+    std::filesystem::path output;  // "-": standard output
+    std::string format;            // of image_formats, or "y4m"; empty: by the extension
+    ImageEncoding encoding;        // but for its format
     std::string device;
     RenderConfig config;
     ViewOptions view;
@@ -50,9 +52,9 @@ inline constexpr const char* gbuffer_views[] = {"gbuffer-albedo", "gbuffer-mater
 void add_size_option(CLI::App& command, unsigned& width, unsigned& height, const char* description);
 
 constexpr const char* cheaper_answers =
-    "Cheaper answers, which change the image: tile-sum (all lights without extent at the\n"
-    "first surface, without shadows and nothing else, as deferred shading does it); light-grid\n"
-    "(a grid of probes answers what light surfaces receive from each other); flat, gouraud: see\n"
+    "Cheaper answers, which change the image: tile-sum (all lights without extent at the "
+    "first surface, without shadows and nothing else, as deferred shading does it); light-grid "
+    "(a grid of probes answers what light surfaces receive from each other); flat, gouraud: see "
     "--shading; no-shadows: see --shadows";
 /// --approximate NAME,NAME... or nothing
 void add_approximate_option(CLI::App& command, Approximations& approximate, const char* description = cheaper_answers);
@@ -70,17 +72,24 @@ void add_light_grid_options(CLI::App& command, LightGridConfig& grid);
 /// Throws ErrorKind::usage for any other % in the name.
 [[nodiscard]] std::filesystem::path numbered(const std::filesystem::path& output, unsigned frame);
 
-/// Whether the frames of an animation go to one stream (.y4m, or "-" for standard output).
-[[nodiscard]] bool is_video(const std::filesystem::path& output);
+/// Whether the frames of an animation become a video without compression: by --format y4m, by the extension, or on
+/// standard output without --format.
+[[nodiscard]] bool is_y4m(const RenderOptions& options);
+/// Whether the frames of an animation go to one stream: a video, or images one behind the other on standard output.
+[[nodiscard]] bool is_stream(const RenderOptions& options);
+/// How images are encoded. Without --format those on standard output are PNGs; elsewhere the extension decides.
+[[nodiscard]] ImageEncoding encoding_of(const RenderOptions& options);
+/// The format of the image; nothing for a video and for unknown extensions.
+[[nodiscard]] std::optional<ImageFormat> format_of(const RenderOptions& options);
 
-/// Whether an image or a video has colours of 8 bits, for which exposure and tone map choose: .png, .y4m and "-".
-[[nodiscard]] bool is_of_bytes(const std::filesystem::path& output);
+/// Whether an image or a video has colours that exposure and tone map choose: not radiance.
+[[nodiscard]] bool is_shaped(const RenderOptions& options);
 
 /// Puts light maps on meshes. Throws ErrorKind::usage for text that is not MESH=FILE.
 void use_light_maps(Scene& scene, const std::vector<std::string>& light_maps);
 
 /// Whether an AOV becomes a layer of the image's own file: all but gbuffer and voxels, of an .exr.
-[[nodiscard]] bool is_layer(const std::filesystem::path& output, const std::string& aov);
+[[nodiscard]] bool is_layer(const RenderOptions& options, const std::string& aov);
 
 /// out.png, depth -> {out.depth.png, out.depth.pfm}
 [[nodiscard]] std::pair<std::filesystem::path, std::filesystem::path> aov_paths(const std::filesystem::path& output,

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/format.hpp"
+#include "host/cli/help/help.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/output/progress.hpp"
 #include "host/cli/output/render_outputs.hpp"
@@ -32,12 +33,10 @@ void check_frames(const CLI::App& command, RenderOptions& o) {
     refuse_without(command, "--orbit", "--fps");
     refuse_both(command, "--fps", {"--frame-rate"},
                 "--fps is for rendering in real time, --frame-rate for an animation");
-    if (is_video(o.output) && (command.count("--frames") == 0 || o.fps > 0))
+    if (is_y4m(o) && (command.count("--frames") == 0 || o.fps > 0))
         throw Error(ErrorKind::usage,
                     "--output: '" + o.output.string() + "' is a video, which needs the frames of an animation",
-                    "add --frames FIRST..LAST, or write .png, .hdr, .pfm or .exr");
-    if (o.output == "-" && o.json)
-        throw Error(ErrorKind::usage, "--json: standard output has the video", "write the video to a file");
+                    "add --frames FIRST..LAST, or write an image, as in .png");
     if (command.count("--frames") == 0) return;
     if (o.fps > 0) {
         const auto frames = parse_number<unsigned>(o.frames_text);
@@ -48,36 +47,56 @@ void check_frames(const CLI::App& command, RenderOptions& o) {
         return;
     }
     o.animation = parse_frames(o.frames_text);
-    if (is_video(o.output)) refuse_both(command, "--aov", {"--frames"}, "a video has no place for them: write images");
+    if (is_stream(o)) refuse_both(command, "--aov", {"--frames"}, "one stream has no place for them: write files");
     refuse_both(command, "--frames", {"--at"}, "the frames define the times");
     refuse_both(command, "--frames", {"--checkpoint", "--resume", "--trace"}, "--frames renders several images");
+}
+
+/// Standard output has the picture, and nothing else.
+void check_standard_output(const CLI::App& command, const RenderOptions& o) {
+    if (o.output != "-") return;
+    for (const char* option : {"--json", "--stats", "--fps"})
+        if (command.count(option) > 0)
+            throw Error(ErrorKind::usage, std::string(option) + ": standard output has the picture",
+                        "write the picture to a file");
+    for (const std::string& aov : o.aovs)
+        if (!is_layer(o, aov))
+            throw Error(ErrorKind::usage, "--aov " + aov + ": standard output has no place for it",
+                        format_of(o) == ImageFormat::exr ? "write files" : "write files, or add --format exr");
 }
 
 }  // namespace
 
 void add_target_options(CLI::App& command, RenderOptions& o) {
+    OptionGroup group(command, "Quality");
     command
         .add_option("--error", o.config.error, "Render until the RMSE over the mean is at most this: for example 0.01")
         ->check(positive_number())
         ->transform(least_error_for_none());
+    group.next("Sampling");
     command.add_flag("--adaptive", o.config.adaptive,
                      "Take more samples where the error is large; --spp is then the mean over all pixels");
+    group.next("Quality");
     command.add_option("--time", o.config.seconds, "Render as many samples as fit into this time: 500ms, 2s, 1m")
         ->transform(duration())
         ->type_name("TIME");
+    group.next("Real time");
     command
         .add_option("--fps", o.fps,
                     "Render frames at this rate with as many samples as fit, and print whether the rate was met")
         ->check(positive_number());
+    group.next("Animation");
     command
         .add_option(
             "--frames", o.frames_text,
             "FIRST..LAST: write an image per frame of an animation, as OUTPUT.0000.png or by %04d in OUTPUT, or "
             "all to one video, if OUTPUT is a .y4m or - (standard output, for ffmpeg -i -); "
-            "with --fps: number of frames [300]")
+            "with --fps: number of frames, 300 without it")
         ->type_name("RANGE");
+    group.next("Real time");
     command.add_option("--orbit", o.orbit, "Degrees by which the camera turns round its target, with --fps [0]")
         ->check(finite_number());
+    group.next("Animation");
     command.add_option("--frame-rate", o.frame_rate, "Frames per second of the animation, with --frames [24]")
         ->check(positive_number());
 }
@@ -85,6 +104,7 @@ void add_target_options(CLI::App& command, RenderOptions& o) {
 void check_targets(const CLI::App& command, RenderOptions& o) {
     if (command.count("--fps") == 0 && command.count("--output") == 0) throw CLI::RequiredError("--output");
     check_frames(command, o);
+    check_standard_output(command, o);
     refuse_both(command, "--fps",
                 {"--spp", "--error", "--time", "--noise", "--checkpoint", "--resume", "--aov", "--adaptive"},
                 "the frame time decides the number of samples");

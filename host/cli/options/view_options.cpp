@@ -1,6 +1,7 @@
 #include "host/cli/options/view_options.hpp"
 
 #include "claray/error.hpp"
+#include "host/cli/help/help.hpp"
 #include "host/cli/options/option_rules.hpp"
 
 namespace claray::cli {
@@ -41,18 +42,23 @@ CLI::Option* add_vector_option(CLI::App& command, const char* name, glm::vec3& v
 
 void add_view_options(CLI::App& command, ViewOptions& o) {
     const auto add_vector = [&](const char* name, std::optional<glm::vec3>& vector, const char* description) {
-        command.add_option_function<std::string>(
-            name, [name, &vector](const std::string& text) { vector = parse_vector(name, text); }, description);
+        command
+            .add_option_function<std::string>(
+                name, [name, &vector](const std::string& text) { vector = parse_vector(name, text); }, description)
+            ->type_name("X,Y,Z");
     };
     add_load_options(command, o.load);
+    OptionGroup group(command, "File");
     command.add_option("--file-camera", o.load.camera,
                        "Camera of a glTF, by name or by index in the scene [the first; if there is none, a camera that "
                        "sees the whole scene]");
+    group.next("Camera");
     add_vector("--camera", o.camera, "Position of the camera, X,Y,Z [scene's camera]");
     add_vector("--look-at", o.look_at, "Point in the middle of the image, X,Y,Z [scene's camera]");
     add_vector("--up", o.up, "Direction that is up in the image, X,Y,Z [scene's camera, else 0,1,0]");
     command.add_option("--fov", o.fov, "Vertical field of view in degrees [scene's camera, else 40]")
         ->check(finite_number());
+    group.next("Lens and motion");
     std::vector<std::pair<std::string, Projection>> kinds;
     for (const ProjectionTraits& traits : projections) kinds.emplace_back(traits.name, traits.kind);
     std::string names;

@@ -17,6 +17,11 @@ struct NamedFile {
     std::filesystem::path path;
 };
 
+/// The file that "-" stands for.
+[[nodiscard]] inline std::filesystem::path named_file(const std::filesystem::path& path) {
+    return path == "-" ? std::filesystem::path("/dev/stdout") : path;
+}
+
 /// Throws ErrorKind::usage if two outputs, or an output and an input, are the same file, also by another spelling or by
 /// links. Throws the errors that writing the outputs would throw.
 void check_outputs(const std::vector<NamedFile>& outputs, const std::vector<NamedFile>& inputs = {});

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
@@ -50,13 +51,50 @@ std::string noise_text(const RenderProgress& progress) {
     return printed(", noise %.2f %%", 100 * progress.noise);
 }
 
-std::string time_left(const RenderProgress& progress, double fraction) {
-    if (fraction < 1e-4 || fraction >= 1) return {};
-    const double seconds = progress.seconds * (1 - fraction) / fraction;
+std::string time_text(double seconds) {
     return ", " + (seconds < 120 ? printed("%.1f s", seconds) : duration_text(seconds)) + " left";
 }
 
+std::string time_left(const RenderProgress& progress, double fraction) {
+    if (fraction < 1e-4 || fraction >= 1) return {};
+    return time_text(progress.seconds * (1 - fraction) / fraction);
+}
+
 }  // namespace
+
+double FrameCount::steady_seconds() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+void FrameCount::finish_one() {
+    const std::lock_guard lock(mutex_);
+    if (++done_ == 1) first_end_ = clock_();
+}
+
+double FrameCount::fraction(double part) const {
+    const std::lock_guard lock(mutex_);
+    return std::min(1.0, (done_ + part) / frames_);
+}
+
+double FrameCount::seconds_left(double part) const {
+    const std::lock_guard lock(mutex_);
+    const bool skips_first = done_ > 1;
+    const double counted = done_ + part - skips_first, since = skips_first ? first_end_ : begin_;
+    return counted > 0 ? std::max(0.0, frames_ - done_ - part) * (clock_() - since) / counted : 0;
+}
+
+std::string FrameCount::text() const {
+    const std::lock_guard lock(mutex_);
+    return "frame " + std::to_string(std::min(done_ + 1, frames_)) + "/" + std::to_string(frames_);
+}
+
+bool FrameCount::line_is_due() {
+    const std::lock_guard lock(mutex_);
+    const double now = clock_() - begin_;
+    if (now < next_line_) return false;
+    next_line_ = now + seconds_between_lines;
+    return true;
+}
 
 double fraction_done(const RenderProgress& progress, const RenderConfig& config) {
     double fraction = config.spp > 0 ? double(progress.spp) / config.spp : 0;
@@ -83,21 +121,20 @@ void ProgressDisplay::show(const RenderProgress& progress) {
     if (style_ == ProgressStyle::none) return;
     const double fraction = fraction_done(progress, config_);
     const bool by_samples = config_.error <= 0 && config_.spp < 1u << 24;
-    const std::string facts = std::to_string(progress.spp) +
+    const std::string facts = (frames_ ? frames_->text() + ", " : std::string()) + std::to_string(progress.spp) +
                               (by_samples ? "/" + std::to_string(config_.spp) : std::string()) + " spp" +
                               (progress.waits_for_kernels ? ", waiting for the scene's kernels"
-                                                          : time_left(progress, fraction) + noise_text(progress));
+                                                          : left_of_all(progress, fraction) + noise_text(progress));
     if (progress.waits_for_kernels && !waits_) next_line_ = 0;  // at once
     waits_ = progress.waits_for_kernels;
     if (style_ == ProgressStyle::bar) {
-        const int filled = int(fraction * bar_width);
+        const int filled = int(fraction_of_all(fraction) * bar_width);
         const std::string bar =
             std::string(std::size_t(filled), '=') + std::string(std::size_t(bar_width - filled), ' ');
-        std::fprintf(output_, "\r[%s] %3.0f %%  %s\x1b[K", bar.c_str(), 100 * fraction, facts.c_str());
+        std::fprintf(output_, "\r[%s] %3.0f %%  %s\x1b[K", bar.c_str(), 100 * fraction_of_all(fraction), facts.c_str());
         line_open_ = true;
-    } else if (progress.seconds >= next_line_) {
-        std::fprintf(output_, "%3.0f %%  %s\n", 100 * fraction, facts.c_str());
-        next_line_ = progress.seconds + seconds_between_lines;
+    } else if (line_is_due(progress)) {
+        std::fprintf(output_, "%3.0f %%  %s\n", 100 * fraction_of_all(fraction), facts.c_str());
     }
     std::fflush(output_);
 }
@@ -108,8 +145,25 @@ void ProgressDisplay::finish(const RenderProgress& progress) {
     leave_line();
 }
 
+bool ProgressDisplay::line_is_due(const RenderProgress& progress) {
+    if (frames_) return frames_->line_is_due();
+    if (progress.seconds < next_line_) return false;
+    next_line_ = progress.seconds + seconds_between_lines;
+    return true;
+}
+
+double ProgressDisplay::fraction_of_all(double fraction) const {
+    return frames_ ? frames_->fraction(fraction) : fraction;
+}
+
+std::string ProgressDisplay::left_of_all(const RenderProgress& progress, double fraction) const {
+    if (!frames_) return time_left(progress, fraction);
+    const double seconds = frames_->seconds_left(fraction);
+    return seconds > 0 ? time_text(seconds) : std::string();
+}
+
 void ProgressDisplay::leave_line() {
-    if (line_open_) std::fprintf(output_, "\n");
+    if (line_open_) std::fputs(frames_ ? "\r\x1b[K" : "\n", output_);
     line_open_ = false;
 }
 

@@ -56,7 +56,7 @@ void write_layers(const std::vector<glm::vec3>& pixels, const Renderer& renderer
         for_each_aov(aovs, [&](const AovRow& row, const auto& values) {
             if (name == row.name) layers.push_back(layer_of(row, values));
         });
-    write_exr(options.output, options.config.width, options.config.height, layers);
+    write_exr(named_file(options.output), options.config.width, options.config.height, layers);
 }
 
 /// Positions as colours: their places in the box around all of them.
@@ -188,7 +188,7 @@ bool tells_plan(const RenderOptions& options) { return options.stats || !options
 }  // namespace
 
 void choose_exposure(const std::vector<glm::vec3>& pixels, const Renderer* renderer, RenderOptions& options) {
-    if (options.exposure || !is_of_bytes(options.output)) return;
+    if (options.exposure || !is_shaped(options)) return;
     SurfaceBrightness surfaces(pixels, {}, options.tone_map);
     const bool asks = options.auto_exposure || surfaces.is_doubtful();
     if (asks && renderer != nullptr) {
@@ -206,14 +206,14 @@ void choose_exposure(const std::vector<glm::vec3>& pixels, const Renderer* rende
 
 void write_picture(const std::vector<glm::vec3>& pixels, const RenderOptions& options, const Renderer* renderer) {
     const bool has_layers = std::any_of(options.aovs.begin(), options.aovs.end(),
-                                        [&](const std::string& name) { return is_layer(options.output, name); });
+                                        [&](const std::string& name) { return is_layer(options, name); });
     if (renderer != nullptr && has_layers)
         write_layers(pixels, *renderer, options);
     else
-        write_image(options.output, {options.config.width, options.config.height, pixels},
-                    options.exposure.value_or(0.f), options.tone_map);
+        write_image(named_file(options.output), {options.config.width, options.config.height, pixels},
+                    options.exposure.value_or(0.f), options.tone_map, encoding_of(options));
     const std::optional<float> exposure =
-        is_of_bytes(options.output) ? std::optional(options.exposure.value_or(0.f)) : std::nullopt;
+        is_shaped(options) ? std::optional(options.exposure.value_or(0.f)) : std::nullopt;
     if (const auto line = brightness_warning(pixels, exposure)) print_warning(*line);
 }
 
@@ -248,7 +248,7 @@ void write_aovs(Renderer& renderer, const RenderOptions& options, Writes& writes
             writes.attempt([&] { write_voxels(renderer.voxels(), options); });
             continue;
         }
-        if (is_layer(options.output, name)) continue;
+        if (is_layer(options, name)) continue;
         if (!aovs) aovs = renderer.aovs();
         writes.attempt([&] { write_aov(name, *aovs, options); });
     }

@@ -30,6 +30,27 @@ TEST_F(Film, AFileAndAPipeHaveTheSameFrames) {
     EXPECT_EQ(folder_.entries(), 1u);
 }
 
+TEST_F(Film, APipeTakesImagesOneBehindTheOther) {
+    for (const char* format : {"png", "jpg"}) {
+        const std::vector<std::string> frames = {"--frames", "0..2", "--format", format};
+        const ProcessResult piped = render("-", frames), filed = render(path("a.any"), frames);
+        ASSERT_EQ(piped.exit_code, 0) << piped.errors;
+        ASSERT_EQ(filed.exit_code, 0) << filed.errors;
+        std::string all;
+        for (const char* name : {"a.0000.any", "a.0001.any", "a.0002.any"}) all += read_file(path(name));
+        EXPECT_TRUE(piped.output == all) << format << ": " << piped.output.size() << " bytes, files " << all.size();
+    }
+}
+
+TEST_F(Film, TellsOfAllFramesUnlessQuiet) {
+    const std::string scene = std::string(CLARAY_SOURCE_DIR) + "/tests/fuzz/corpus/gltf/posed.gltf";
+    const ProcessResult result =
+        run_claray({"render", scene, "-o", path("a.png"), "--size", "16x12", "--spp", "1", "--frames", "3..5"});
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    EXPECT_NE(result.errors.find(" %  frame 1/3, "), std::string::npos) << result.errors;
+    EXPECT_EQ(render(path("a.png"), {"--frames", "3..5"}).errors.find(" %  frame "), std::string::npos);
+}
+
 TEST_F(Film, IsALineOfJsonForEachFrame) {
     const ProcessResult result = render(path("a.pfm"), {"--frames", "1..2", "--json"});
     ASSERT_EQ(result.exit_code, 0) << result.errors;
@@ -48,8 +69,9 @@ TEST_F(Film, HasNoHeaderWithoutAFrame) {
 
 TEST_F(Film, IsRefusedWhereItHasNoPlace) {
     EXPECT_TRUE(failed_with(render(path("a.y4m")), 2, "add --frames"));
-    EXPECT_TRUE(failed_with(render("-"), 2, "add --frames"));
+    EXPECT_TRUE(failed_with(render("-", {"--format", "y4m"}), 2, "add --frames"));
     EXPECT_TRUE(failed_with(render(path("a.y4m"), {"--frames", "0..1", "--aov", "depth"}), 2, "--aov"));
+    EXPECT_TRUE(failed_with(render("-", {"--frames", "0..1", "--aov", "depth", "--format", "exr"}), 2, "--aov"));
     EXPECT_TRUE(failed_with(render("-", {"--frames", "0..1", "--json"}), 2, "--json"));
     EXPECT_EQ(folder_.entries(), 0u);
 }

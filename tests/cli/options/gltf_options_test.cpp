@@ -152,7 +152,7 @@ TEST_F(GltfOptions, TheCommandLineWinsOverTheFilesCamera) {
     EXPECT_TRUE(same({"--file-camera", "flat", "--fov", "30"}, {"--file-camera", "near", "--fov", "30"}));
     EXPECT_FALSE(same({"--file-camera", "near", "--fov", "30"}, {"--file-camera", "near"}));
     EXPECT_FALSE(same({"--up", "0,-1,0"}, {}));
-    const std::string help = run_claray({"render", "--help"}).output;
+    const std::string help = run_claray({"render", "--help-all"}).output;
     EXPECT_NE(help.find("else 0,1,0]"), std::string::npos);
     EXPECT_NE(help.find("else 40]"), std::string::npos);
 }

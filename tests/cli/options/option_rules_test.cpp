@@ -13,7 +13,7 @@ constexpr const char* commands[] = {"devices", "scenes", "render", "explain", "c
 
 /// The long options of a command that take a value, with the kind of value that the help tells.
 std::vector<std::pair<std::string, std::string>> options_with_values(const std::string& command) {
-    const std::string help = run_claray({command, "--help"}).output;
+    const std::string help = run_claray({command, "--help-all"}).output;
     const std::regex line("\n  [^\n]*?(--[a-z-]+)(?:,[a-z]+)? ([A-Z]+)[^\n]*");
     std::vector<std::pair<std::string, std::string>> found;
     for (auto it = std::sregex_iterator(help.begin(), help.end(), line); it != std::sregex_iterator(); ++it)
@@ -76,7 +76,7 @@ TEST(OptionRules, MessagesNameTheChoicesAndTheRange) {
     says({"render", "cornell", "--bogus", "3"}, "unknown option '--bogus'; see claray render --help");
     says({"render", "cornell", "second", "third", "-o", "x.png"}, "'second' is an unexpected argument");
     says({"explain", "cornell", "--only", "sky", "--only", "glass"}, "--only is given more than once");
-    says({"render", "cornell", "-O", "x.png"}, "unknown option '-O'; see claray render --help");
+    says({"render", "cornell", "-O", "x.png"}, "unknown option '-O' (did you mean '-o'?); see claray render --help");
     says({"render", "--bogus"}, "unknown option '--bogus'");  // though the scene is missing, too
     says({"--bogus"}, "unknown option '--bogus'; see claray --help");
     says({"render", "cornell", "-o", ""}, "--output has an empty value");
@@ -117,7 +117,9 @@ TEST(OptionRules, PictureOptionsOfAnHdrImageAreAWarning) {
     const ProcessResult result = run_claray({"render", "cornell", "-o", (folder / "x.hdr").string(), "--size", "8x8",
                                              "--spp", "1", "-q", "--exposure", "1"});
     EXPECT_EQ(result.exit_code, 0) << result.errors;
-    EXPECT_NE(result.errors.find("claray: warning: --exposure and --tone-map apply to .png only"), std::string::npos);
+    EXPECT_NE(
+        result.errors.find("claray: warning: --exposure and --tone-map apply to .png, .jpg, .webp and videos only"),
+        std::string::npos);
 }
 
 // The parser's own conversion takes a leading 0 for octal.

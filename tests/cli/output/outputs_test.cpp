@@ -101,6 +101,45 @@ TEST_F(Outputs, StandardOutputKeepsWhatWasPrinted) {
                             "--output and standard output are the same file"));
 }
 
+TEST_F(Outputs, AnImageOnStandardOutputIsAlone) {
+    for (const char* format : {"png", "jpg", "hdr", "pfm"}) {
+        const std::string file = path(std::string("a.") + format);
+        const ProcessResult piped = run_claray(small("-", {"--format", format}));
+        ASSERT_EQ(piped.exit_code, 0) << piped.errors;
+        EXPECT_EQ(run_claray(small(file)).exit_code, 0);
+        EXPECT_TRUE(piped.output == read_file(file)) << format << ": " << piped.output.size() << " bytes";
+        EXPECT_EQ(piped.errors, "");
+    }
+    EXPECT_TRUE(run_claray(small("-")).output == read_file(path("a.png"))) << "without --format";
+    EXPECT_TRUE(run_claray(small("-", {"--png-bits", "16"})).output.substr(24, 1) == "\x10") << "bits, in the header";
+    refuse("-", {"--json"}, "--json: standard output has the picture");
+    refuse("-", {"--stats"}, "--stats: standard output has the picture");
+    refuse("-", {"--fps", "5"}, "--fps: standard output has the picture");
+    refuse("-", {"--aov", "depth"},
+           "--aov depth: standard output has no place for it; write files, or add --format exr");
+    refuse("-", {"--format", "bmp"}, "--format: unknown name 'bmp'");
+}
+
+TEST_F(Outputs, EncodingsAreOptions) {
+    const auto size = [&](const std::string& name, const std::vector<std::string>& more) {
+        EXPECT_EQ(run_claray(small(path(name), with({"--size", "64x64"}, more))).exit_code, 0);
+        return fs::file_size(path(name));
+    };
+    EXPECT_LT(size("a.jpg", {"--quality", "20"}), size("b.jpg", {}));
+    EXPECT_LT(size("b.jpg", {}), size("c.jpg", {"--quality", "100"}));
+    EXPECT_LT(size("a.png", {}), size("b.png", {"--png-bits", "16"}));
+    refuse(path("a.jpg"), {"--quality", "0"}, "--quality: '0' is not a whole number in 1..100, or lossless");
+    refuse(path("a.jpg"), {"--quality", "lossless"}, "a JPEG loses some of each image; write a .webp or a .png");
+    refuse(path("a.png"), {"--png-bits", "12"}, "--png-bits: unknown name '12'; choose 8 or 16");
+    const auto warns = [&](const std::string& name, const std::vector<std::string>& more, const char* words) {
+        const ProcessResult result = run_claray(small(path(name), more));
+        EXPECT_NE(result.errors.find(words), std::string::npos) << result.errors;
+        EXPECT_EQ(result.exit_code, 0);
+    };
+    warns("a.jpg", {"--png-bits", "16"}, "warning: --png-bits applies to .png only: ");
+    warns("a.png", {"--quality", "50"}, "warning: --quality applies to .jpg and .webp only: ");
+}
+
 TEST_F(Outputs, OneFullDiskLosesNothingElse) {
     const ProcessResult result =
         run_claray(small(path("a.png"), {"--aov", "depth", "--trace", "/dev/full", "--checkpoint", path("c")}));

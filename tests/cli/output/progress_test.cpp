@@ -139,6 +139,51 @@ TEST(Progress, WaitingForKernelsIsSaidAtOnce) {
               "  3 %  3/100 spp, 80.8 s left\n");
 }
 
+TEST(Progress, TheTimeOfFramesIsThatOfAll) {
+    double now = 5;
+    FrameCount frames(10, [&] { return now; });
+    EXPECT_EQ(frames.text(), "frame 1/10");
+    EXPECT_DOUBLE_EQ(frames.seconds_left(0), 0) << "nothing tells";
+    now = 8;  // half of the first frame in 3 s, 19 halves to go
+    EXPECT_DOUBLE_EQ(frames.fraction(0.5), 0.05);
+    EXPECT_DOUBLE_EQ(frames.seconds_left(0.5), 19 * 3);
+    now = 25, frames.finish_one();  // it waited for kernels
+    EXPECT_DOUBLE_EQ(frames.seconds_left(0), 9 * 20);
+    now = 27, frames.finish_one();
+    EXPECT_EQ(frames.text(), "frame 3/10");
+    EXPECT_DOUBLE_EQ(frames.seconds_left(0), 8 * 2) << "2 s each since the first";
+    now = 28;
+    EXPECT_DOUBLE_EQ(frames.seconds_left(0.5), 7.5 * 2);
+    EXPECT_DOUBLE_EQ(frames.fraction(0.5), 0.25);
+    for (int i = 0; i < 8; ++i) frames.finish_one();
+    EXPECT_DOUBLE_EQ(frames.fraction(1), 1);
+    EXPECT_DOUBLE_EQ(frames.seconds_left(0), 0);
+    EXPECT_EQ(frames.text(), "frame 10/10");
+}
+
+TEST(Progress, FramesShareTheirLines) {
+    double now = 0;
+    FrameCount frames(4, [&] { return now; });
+    const auto display = [&](ProgressStyle style, const std::vector<double>& times) {
+        const test::TemporaryFolder folder;
+        std::FILE* file = std::fopen((folder / "out").c_str(), "w");
+        for (const double end : times) {
+            ProgressDisplay one(hundred_samples(), style, file, &frames);
+            one.show(at(50, end - now)), now = end, one.finish(at(100, end - now));
+            frames.finish_one();
+        }
+        std::fclose(file);
+        return test::read_file(folder / "out");
+    };
+    EXPECT_EQ(display(ProgressStyle::lines, {1, 2.5}),
+              " 12 %  frame 1/4, 50/100 spp\n"
+              " 50 %  frame 2/4, 100/100 spp, 2.5 s left\n")
+        << "one in two seconds";
+    const std::string bar = display(ProgressStyle::bar, {4});
+    EXPECT_NE(bar.find(" 62 %  frame 3/4, 50/100 spp, "), std::string::npos) << bar;
+    EXPECT_TRUE(bar.ends_with("\r\x1b[K")) << "the next frame's takes its place";
+}
+
 TEST(Progress, QuietIsSilent) { EXPECT_EQ(written(ProgressStyle::none, {at(1, 1), at(100, 100)}), ""); }
 
 TEST(Interrupts, OnlyTheFirstSignalIsCaught) {
