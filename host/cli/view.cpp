@@ -13,6 +13,7 @@
 #include "host/base/process/environment.hpp"
 #include "host/base/process/process.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/job/job.hpp"
 #include "host/cli/options/bvh_options.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/options/render_options.hpp"
@@ -146,6 +147,14 @@ std::string command_line_of(const std::vector<std::string>& arguments) {
     return line + "\n";
 }
 
+std::string job_of(const std::vector<std::string>& arguments) {
+    CLI::App app;
+    Action none;
+    add_render_command(app, none);
+    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+    return job_text(*app.get_subcommand("render"));
+}
+
 /// Where there is a display, a browser shows the page.
 void open_browser(const std::string& url) {
     if (environment("DISPLAY").empty() && environment("WAYLAND_DISPLAY").empty()) return;
@@ -170,6 +179,7 @@ void serve(view::View& view, const Device& device, const LiveOptions& options, c
         return opened;
     };
     web.command_line = [&](const view::View& seen) { return command_line_of(render_of(seen, shown)); };
+    web.job = [&](const view::View& seen) { return job_of(render_of(seen, shown)); };
     view::serve(view, web);
 }
 

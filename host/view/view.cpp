@@ -20,7 +20,7 @@ using Clock = std::chrono::steady_clock;
 constexpr float most_pixels_a_side = 16384;
 constexpr std::size_t most_pixels = 4096 * 4096;  // more than displays of 5120x2880 have
 constexpr double least_share = 0.25;              // of a frame's time that is spent on sampling
-constexpr double longest_slice = 0.02;            // seconds from one look at what interrupts to the next
+constexpr double longest_slice = 0.01;            // seconds from one look at what interrupts to the next
 
 /// Instances place all meshes, so that each can be moved. Those that stay where they are do not change the picture.
 Scene movable(Scene scene) {
@@ -151,11 +151,13 @@ const Frame& View::next_frame(const Interrupted& interrupted) {
     if (playing_) pass_time();
     if (spin_ != 0) pass_spin();
     if (costs_.is_running()) take_costs();
-    if (spp_ == 0 && wants_preview())
+    const bool answers = spp_ == 0;
+    if (answers && wants_preview())
         preview();
     else if (!rests() && (previewing_ || spp_ < config_.render.spp))
         sample_frame(interrupted);
-    if (spp_ > 0 || rests()) return shown_frame();
+    const bool waits = !answers && interrupted && interrupted();  // then no better picture of the same is needed
+    if ((spp_ > 0 || rests()) && !waits) return shown_frame();
     frame_.complete = false;
     return frame_;
 }

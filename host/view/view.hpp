@@ -59,7 +59,7 @@ struct ViewState {
     unsigned run = 0;                            ///< counts restarts of the samples
 };
 
-/// True ends the sampling of a frame. Asked every 20 ms; while the first samples are made, about five times a second.
+/// True ends the sampling of a frame. Asked every 10 ms; while the first samples are made, about five times a second.
 using Interrupted = std::function<bool()>;
 
 /// Throws ErrorKind::user for an image whose frames would take too long.
@@ -73,7 +73,8 @@ public:
     /// Changes the view. Returns a line for the user, often empty. Throws ErrorKind::user for values out of range; the
     /// view is then unchanged.
     std::string run(const ViewCommand& command);
-    /// Renders for the time of a frame. If it is interrupted before every pixel has a sample, the frame before is kept.
+    /// Renders for the time of a frame. If it is interrupted, the frame before is kept, unless every pixel has its
+    /// first samples since a change.
     [[nodiscard]] const Frame& next_frame(const Interrupted& interrupted = {});
     /// Renders until the image is complete.
     [[nodiscard]] const Frame& complete_frame();

@@ -332,6 +332,7 @@ TEST(View, FirstSamplesCanBeInterrupted) {
     EXPECT_EQ(kept.number, first) << "no picture of a part of the pixels";
     EXPECT_FALSE(kept.complete);
     EXPECT_EQ(view.next_frame([] { return false; }).number, first + 1);
+    EXPECT_EQ(view.next_frame([] { return true; }).number, first + 1) << "no better picture of what is changed next";
     Scene turned = two_spheres();
     turned.camera = view.camera();
     EXPECT_EQ(pixels(view), rendered(turned, config.render));

@@ -199,8 +199,7 @@ public:
         const auto interrupted = [&] { return exchange_.has_commands() || !config_.goes_on(); };
         bool shown = false;
         while (!view_.ended() && config_.goes_on()) {
-            const std::deque<ViewCommand> commands = exchange_.take();
-            for (const ViewCommand& command : commands) told_.take(answer_of(command)), shown = false;
+            for (const ViewCommand& command : exchange_.take()) told_.take(answer_of(command)), shown = false;
             give_texts();
             if (shown && !exchange_.wants(Made::picture) && !view_.costs().is_ready()) {
                 exchange_.wait_for_clients();
@@ -208,8 +207,6 @@ public:
             }
             const Frame& frame = view_.next_frame(interrupted);
             shown = frame.complete;
-            // A better picture of the same is left out if commands wait: the first one after them is an answer.
-            if (commands.empty() && !shown && exchange_.has_commands()) continue;
             if (std::exchange(number_, frame.number) == frame.number) continue;
             if (exchange_.wants(Made::picture))
                 exchange_.give(Made::picture, encode_png(frame.width, frame.height, 4, frame.pixels));

@@ -1,0 +1,70 @@
+// `claray view` as a web page: the browser that it opens, and the render that it saves.
+#include <gtest/gtest.h>
+#include <httplib.h>
+
+#include <csignal>
+#include <nlohmann/json.hpp>
+
+#include "host/base/process/environment.hpp"
+#include "tests/support/process.hpp"
+
+namespace claray::test {
+namespace {
+
+/// Stands for the browser: writes the address that it shall show to a file.
+class ViewProgramPage : public testing::Test {
+protected:
+    ViewProgramPage() {
+        const auto browser = folder_.file("xdg-open", "#!/bin/sh\necho \"$1\" > '" + address().string() + "'\n");
+        std::filesystem::permissions(browser, std::filesystem::perms::owner_all);
+    }
+    [[nodiscard]] std::filesystem::path address() const { return folder_ / "address"; }
+    [[nodiscard]] Variables display() const {
+        return {{"DISPLAY", ":0"}, {"PATH", folder_.path().string() + ":" + environment("PATH")}};
+    }
+    [[nodiscard]] int port_told() const {
+        const std::string url = std::filesystem::exists(address()) ? read_file(address()) : "";
+        return url.ends_with("/\n") ? std::stoi(url.substr(url.rfind(':') + 1)) : 0;
+    }
+
+    TemporaryFolder folder_;
+};
+
+TEST_F(ViewProgramPage, OpensABrowserAndSavesTheRender) {
+    Process view({CLARAY_PROGRAM, "view", "cornell", "--port", "0", "--size", "32x18", "--spp", "2", "--max-depth", "7",
+                  "--sky", "0.1,0.2,0.3"},
+                 display());
+    ASSERT_TRUE(view.brings_about([&] { return port_told() > 0; }));
+    httplib::Client client("127.0.0.1", port_told());
+    client.set_read_timeout(std::chrono::hours(1));
+    ASSERT_TRUE(client.Post("/command", "stops 1.5", "text/plain"));
+    const auto line = client.Get("/command-line");
+    ASSERT_TRUE(line);
+    EXPECT_TRUE(line->body.starts_with("claray render cornell --")) << line->body;
+    EXPECT_NE(line->body.find(" --sky 0.1,0.2,0.3"), std::string::npos) << line->body;
+    EXPECT_NE(line->body.find(" --exposure 1.5"), std::string::npos) << line->body;
+    const auto saved = client.Get("/job.json");
+    ASSERT_TRUE(saved);
+    const nlohmann::json job = nlohmann::json::parse(saved->body);
+    EXPECT_EQ(job["scene"], "cornell");
+    EXPECT_EQ(job["size"], "32x18");
+    EXPECT_EQ(job["max-depth"], 7);
+    const auto file = folder_.file("job.json", saved->body);
+    const ProcessResult rendered = run_process({CLARAY_PROGRAM, "render", file.string()});
+    EXPECT_EQ(rendered.exit_code, 0) << rendered.errors;
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "view.png"));
+    view.send(SIGINT);
+    (void)view.wait();
+}
+
+TEST_F(ViewProgramPage, OpensNoBrowserIfToldSo) {
+    Process view({CLARAY_PROGRAM, "view", "cornell", "--port", "0", "--size", "8x8", "--spp", "1", "--no-browser"},
+                 display());
+    ASSERT_TRUE(view.brings_about([&] { return view.handles(SIGINT); }));
+    view.send(SIGINT);
+    (void)view.wait();
+    EXPECT_FALSE(std::filesystem::exists(address()));
+}
+
+}  // namespace
+}  // namespace claray::test
