@@ -14,9 +14,11 @@
 #include "host/compute/memory.hpp"
 #include "host/view/http/request_rules.hpp"
 #include "host/view/web/page.hpp"
+#include "host/view/web/uploads.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/meshes.hpp"
+#include "tests/support/process.hpp"
 
 namespace claray::test {
 namespace {
@@ -350,6 +352,20 @@ TEST_F(ViewWeb, PicturesHaveNoRanges) {
         EXPECT_EQ(status_of(part_of), 200);
         EXPECT_EQ(part_of->body, picture->body);
     }
+}
+
+TEST(ViewUploads, OneDropHasALimit) {
+    Uploads uploads(10);
+    uploads.begin();
+    uploads.add("a.obj", 0, "12345");
+    uploads.add("a.obj", 5, "67");
+    const Folder first = uploads.folder_with("a.obj");
+    EXPECT_EQ(read_file(*first / "a.obj"), "1234567");
+    EXPECT_TRUE(throws_error(ErrorKind::user, "in one drop", [&] { uploads.add("b.bin", 0, "1234"); }));
+    EXPECT_TRUE(throws_error(ErrorKind::user, "it was not sent", [&] { (void)uploads.folder_with("b.bin"); }));
+    uploads.begin();
+    uploads.add("b.bin", 0, "1234567890");
+    EXPECT_TRUE(std::filesystem::exists(*first / "a.obj")) << "a folder lives as long as its users";
 }
 
 TEST(ViewWebServer, ALostDeviceEndsIt) {

@@ -1,7 +1,7 @@
 // The noise of the image against the seconds of sampling, both on logarithmic axes.
 
 const space = "http://www.w3.org/2000/svg";
-const left = 40, right = 8, top = 8, bottom = 20;
+const left = 46, right = 8, top = 8, bottom = 20;
 
 /** An element of SVG. */
 export const shape = (name, attributes = {}, ...children) => {
