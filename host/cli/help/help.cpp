@@ -48,8 +48,8 @@ std::string help_row(const std::string& left, const std::string& text) {
 
 bool is_of_every_day(const std::string& group) { return std::ranges::count(groups_of_every_day, group) > 0; }
 
+/// The names of an option, and its value.
 std::string left_of(const CLI::Option& option) {
-    if (option.get_positional()) return key_of(option);
     const std::string names = CLI::detail::join(spellings_of(option), ", ");
     if (takes_value(option)) return names + " " + option.get_type_name();
     return choices_of(option).empty() ? names : names + "[=NAME]";
@@ -66,7 +66,7 @@ std::string group_text(const CLI::App& command, const std::string& group, bool a
 std::string arguments_text(const CLI::App& command, bool all) {
     std::string text, more;
     for (const CLI::Option* positional : positionals_of(command))
-        text += help_row(left_of(*positional), positional->get_description());
+        text += help_row(key_of(*positional), positional->get_description());
     if (!text.empty()) text = "\nArguments:\n" + text;
     for (const std::string& group : command.get_groups()) {
         if (group.empty()) continue;

@@ -39,7 +39,6 @@ std::string entry(const std::string& bold, const std::string& italic, const std:
 }
 
 std::string entry(const CLI::Option& option) {
-    if (option.get_positional()) return entry(key_of(option), "", option.get_description());
     return entry(CLI::detail::join(spellings_of(option), ", "), takes_value(option) ? option.get_type_name() : "",
                  option.get_description());
 }
@@ -50,7 +49,8 @@ bool is_help(const CLI::App& command, const CLI::Option& option) {
 
 std::string options_text(const CLI::App& command) {
     std::string text;
-    for (const CLI::Option* positional : positionals_of(command)) text += entry(*positional);
+    for (const CLI::Option* positional : positionals_of(command))
+        text += entry(key_of(*positional), "", positional->get_description());
     const bool is_command = command.get_parent() != nullptr;
     for (const std::string& group : command.get_groups()) {
         std::string entries;

@@ -57,6 +57,8 @@ TEST(Help, EveryCommandHasBoth) {
         EXPECT_TRUE(has(all, "Usage: claray " + command + " ")) << command;
     }
     EXPECT_GE(commands().size(), 18u);
+    const std::string bench = printed_by({"bench", "--help"});  // an argument that is an option, too
+    EXPECT_TRUE(has(bench, "\n  scene ") && has(bench, "\n  --scene ")) << bench;
 }
 
 TEST(Help, MisspeltNamesAreSuggested) {
