@@ -50,7 +50,7 @@ claray_package(program claray graphics "exact ray queries and path tracing by Op
 claray_package(mpi claray-mpi graphics "exact ray queries and path tracing by OpenCL (several machines)"
                "With this package claray renders one image on several machines.")
 claray_package(import claray-import graphics "exact ray queries and path tracing by OpenCL (scenes of other programs)"
-               "With this package claray reads FBX, COLLADA, 3DS, OFF and 3MF.")
+               "With this package claray reads FBX, COLLADA, 3DS and OFF.")
 set(same "(= ${PROJECT_VERSION})")
 # What packages of programs depend on that link it: the ABI may change with the minor version.
 math(EXPR next_minor "${PROJECT_VERSION_MINOR} + 1")

@@ -10,6 +10,8 @@
 #include "claray/io.hpp"
 #include "host/base/hash.hpp"
 #include "host/compute/tuning.hpp"
+#include "host/io/mitsuba/serialized.hpp"
+#include "host/io/scene_readers.hpp"
 #include "host/render/checkpoint/checkpoint.hpp"
 #include "tests/fuzz/forge.hpp"
 #include "tests/support/device.hpp"
@@ -109,7 +111,30 @@ bool fuzz_stl(Bytes bytes) {
     });
 }
 
+bool fuzz_3mf(Bytes bytes) { return read_scene("input.3mf", bytes); }
+
 bool fuzz_pcd(Bytes bytes) { return read_scene("input.pcd", bytes); }
+
+bool fuzz_pbrt(Bytes bytes) {
+    const auto path = written("input.pbrt", bytes);
+    return expect_result_or_user_error([&] {
+        Warnings warnings;
+        check(load_pbrt_without_light(path, warnings, {}));
+    });
+}
+
+bool fuzz_mitsuba(Bytes bytes) {
+    const auto path = written("input.xml", bytes);
+    return expect_result_or_user_error([&] {
+        Warnings warnings;
+        check(load_mitsuba_without_light(path, warnings, {}));
+    });
+}
+
+bool fuzz_serialized(Bytes bytes) {
+    const auto path = written("input.serialized", bytes);
+    return expect_result_or_user_error([&] { (void)load_serialized(path, 0); });
+}
 
 bool fuzz_image(Bytes bytes) {
     const auto path = written("input.image", bytes);
@@ -153,9 +178,19 @@ bool fuzz_tuning(Bytes bytes) {
     });
 }
 
-constexpr FuzzTarget targets[] = {{"obj", fuzz_obj},      {"mtl", fuzz_mtl},   {"gltf", fuzz_gltf},
-                                  {"ply", fuzz_ply},      {"stl", fuzz_stl},   {"pcd", fuzz_pcd},
-                                  {"image", fuzz_image},  {"tree", fuzz_tree}, {"checkpoint", fuzz_checkpoint},
+constexpr FuzzTarget targets[] = {{"obj", fuzz_obj},
+                                  {"mtl", fuzz_mtl},
+                                  {"gltf", fuzz_gltf},
+                                  {"ply", fuzz_ply},
+                                  {"stl", fuzz_stl},
+                                  {"pcd", fuzz_pcd},
+                                  {"3mf", fuzz_3mf},
+                                  {"pbrt", fuzz_pbrt},
+                                  {"mitsuba", fuzz_mitsuba},
+                                  {"serialized", fuzz_serialized},
+                                  {"image", fuzz_image},
+                                  {"tree", fuzz_tree},
+                                  {"checkpoint", fuzz_checkpoint},
                                   {"tuning", fuzz_tuning}};
 
 }  // namespace

@@ -136,24 +136,14 @@ TEST_F(ByAssimp, Off) {
     expect_near(bounds_of(scene).hi, {2, 2, 0});
 }
 
-/// z points upwards.
-TEST_F(ByAssimp, Manufacturing3mf) {
-    const Scene scene = load("tetrahedra.3mf");
-    EXPECT_EQ(triangle_count(scene), 8u);
-    EXPECT_EQ(scene.instances.size(), 2u);
-    expect_near(bounds_of(scene).lo, {0, 0, -10});
-    expect_near(bounds_of(scene).hi, {30, 10, 0});
-    expect_near(scene.materials.at(0).albedo, {1, 0, 0});
-}
-
 TEST_F(ByAssimp, ContentTellsTheFormat) {
-    for (const char* name : {"two.dae", "square.fbx", "square.3ds", "square.off", "tetrahedra.3mf"})
+    for (const char* name : {"two.dae", "square.fbx", "square.3ds", "square.off"})
         EXPECT_EQ(triangle_count(load_scene(copy(name, "model"), warnings)), triangle_count(load(name))) << name;
 }
 
 /// What is cut off is a scene or an error in one line, which names the file.
 TEST_F(ByAssimp, CutFiles) {
-    for (const char* name : {"two.dae", "square.fbx", "square.3ds", "square.off", "tetrahedra.3mf"}) {
+    for (const char* name : {"two.dae", "square.fbx", "square.3ds", "square.off"}) {
         const std::string bytes = test::read_file(files / name);
         expect_error(ErrorKind::user, {name}, [&] {
             static_cast<void>(load_scene(folder.file(name, bytes.substr(0, bytes.size() / 3)).string(), warnings));

@@ -16,9 +16,9 @@ using LeftOut = std::map<std::string, std::size_t>;
 /// Adds all materials, in Assimp's order, with their textures.
 void add_materials(Glb& glb, const aiScene& scene, const SceneFolder& folder, LeftOut& left_out);
 
-/// Adds the meshes that nodes show, skins, cameras, lights, animations and all nodes, below one that turns the axes and
-/// the unit of the file into those of glTF, where Assimp has not.
-void add_nodes(Glb& glb, const aiScene& scene, const std::string& format, LeftOut& left_out);
+/// Adds the meshes that nodes show, skins, cameras, lights, animations and all nodes, below one that turns the unit of
+/// FBX into metres.
+void add_nodes(Glb& glb, const aiScene& scene, LeftOut& left_out);
 
 /// The primitive of a glTF for a mesh of Assimp, with its joints and weights; null if it has nothing to show.
 [[nodiscard]] Json primitive_of(Glb& glb, const aiMesh& mesh, bool with_joints, LeftOut& left_out);

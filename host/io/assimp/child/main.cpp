@@ -65,7 +65,7 @@ int import(const std::filesystem::path& file, const std::string& format) {
     Glb glb;
     LeftOut left_out;
     add_materials(glb, *scene, *folder, left_out);
-    add_nodes(glb, *scene, format, left_out);
+    add_nodes(glb, *scene, left_out);
     for (const auto& [what, count] : left_out)
         if (count > 0) std::fprintf(stderr, "left out: %s (%zu)\n", what.c_str(), count);
     return glb.write(stdout) ? 0 : fail("the scene is larger than a .glb may be, 4 GiB");

@@ -28,9 +28,6 @@ double metres_of(const aiScene& scene) {
     return factor > 0 && std::isfinite(factor) ? 0.01 * factor : 1;
 }
 
-/// Formats for prints count z upwards (3MF Core Specification, section 3.3), which Assimp leaves so.
-bool counts_z_upwards(const std::string& format) { return format == "3mf" || format == "amf"; }
-
 class Nodes {
 public:
     Nodes(Glb& glb, const aiScene& scene, LeftOut& left_out) : glb_(glb), scene_(scene), left_out_(left_out) {
@@ -39,11 +36,9 @@ public:
                 moving_[channel->mNodeName.C_Str()] = true;
     }
 
-    void add_all(bool z_upwards) {
+    void add_all() {
         const double metres = metres_of(scene_);
-        Json file = {{"name", "file"}, {"scale", {metres, metres, metres}}};
-        if (z_upwards) file["rotation"] = {-std::sqrt(0.5), 0, 0, std::sqrt(0.5)};
-        const std::size_t root = glb_.push("nodes", std::move(file));
+        const std::size_t root = glb_.push("nodes", {{"name", "file"}, {"scale", {metres, metres, metres}}});
         number(*scene_.mRootNode, root);
         // Skins name nodes that stand anywhere.
         for (const auto& [node, index] : shown_) show_meshes(*node, index);
@@ -141,8 +136,6 @@ private:
 
 }  // namespace
 
-void add_nodes(Glb& glb, const aiScene& scene, const std::string& format, LeftOut& left_out) {
-    Nodes(glb, scene, left_out).add_all(counts_z_upwards(format));
-}
+void add_nodes(Glb& glb, const aiScene& scene, LeftOut& left_out) { Nodes(glb, scene, left_out).add_all(); }
 
 }  // namespace claray::assimp
