@@ -4,14 +4,13 @@
 
 Needs PyPI's bpy, which tests/blender/run installs in build/blender_env. (-P: cycles.py beside this file has the name of Blender's add-on.)
 Scenes: cube (Blender's default), room (an interior), instances (1,000 of one mesh), frames (an animation of the cube). Prints a row for each:
-seconds of the first render, which may compile kernels; of the median of three later ones, for frames of the slowest frame after the first; of
-Cycles with as many samples; and the mean by claray over that by Cycles of red, green and blue.
+seconds of the first render, which may compile kernels; of the median of three later ones, for frames of the slowest frame after the first, by the
+clock and of all processors; of Cycles with as many samples; and the mean by claray over that by Cycles of red, green and blue.
 """
 
 import argparse
 import math
 import pathlib
-import statistics
 import sys
 import time
 
@@ -46,9 +45,10 @@ def frames(width, height):
 
 
 def timed(scene, engine, samples, frame=None):
-    begin = time.perf_counter()
+    """Seconds by the clock, those of all processors, and the mean."""
+    begin, processors = time.perf_counter(), time.process_time()
     pixels = support.picture(scene, engine, samples, frame)
-    return time.perf_counter() - begin, pixels[..., :3].mean((0, 1))
+    return time.perf_counter() - begin, time.process_time() - processors, pixels[..., :3].mean((0, 1))
 
 
 def main():
@@ -59,17 +59,18 @@ def main():
     parser.add_argument("--frames", type=int, default=24)
     given = parser.parse_args()
     width, height = map(int, given.size.split("x"))
-    print(f"{given.size}, {given.spp} samples\n{'scene':10} first later Cycles  claray/Cycles")
+    print(f"{given.size}, {given.spp} samples\n{'scene':10} first later processors Cycles processors  claray/Cycles")
     for name in given.scenes:
         scene = {"cube": cube, "room": room, "instances": instances, "frames": frames}[name](width, height)
-        first, mean = timed(scene, "CLARAY", given.spp)
+        first, _, mean = timed(scene, "CLARAY", given.spp)
         if name == "frames":
-            later = max(timed(scene, "CLARAY", given.spp, frame)[0] for frame in range(2, given.frames + 1))
+            later, processors, _ = max((timed(scene, "CLARAY", given.spp, frame) for frame in range(2, given.frames + 1)), key=lambda of: of[0])
             scene.frame_set(1)
         else:
-            later = statistics.median(timed(scene, "CLARAY", given.spp)[0] for _ in range(3))
-        cycles, expected = timed(scene, "CYCLES", given.spp)
-        print(f"{name:10} {first:5.2f} {later:5.2f} {cycles:6.2f}  {' '.join(f'{share:.4f}' for share in mean / expected)}", flush=True)
+            later, processors, _ = sorted((timed(scene, "CLARAY", given.spp) for _ in range(3)), key=lambda of: of[0])[1]
+        cycles, of_cycles, expected = timed(scene, "CYCLES", given.spp)
+        print(f"{name:10} {first:5.2f} {later:5.2f} {processors:10.2f} {cycles:6.2f} {of_cycles:10.2f}  "
+              f"{' '.join(f'{share:.4f}' for share in mean / expected)}", flush=True)
 
 
 main()

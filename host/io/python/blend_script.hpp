@@ -12,6 +12,7 @@ try:
 except ImportError:
     sys.exit(77)
 import mathutils
+import numpy as np
 
 source, target = sys.argv[-2:]
 try:
@@ -88,12 +89,19 @@ def read_world(world):
     if image is None or 0 in image.size:
         extra["warnings"].append("the world's nodes are left out; only a colour and an Environment Texture are read")
         return
+    values = np.empty(len(image.pixels), np.float32)
+    image.pixels.foreach_get(values)
+    values = values.reshape(-1, image.channels)
+    texels = np.ones((len(values), 4), np.float32)
+    texels[:, :3] = values[:, :3] if image.channels > 2 else values[:, :1]
+    if not image.is_float and image.colorspace_settings.name == "sRGB":  # IEC 61966-2-1
+        texels[:, :3] = np.where(texels[:, :3] <= 0.04045, texels[:, :3] / 12.92, ((texels[:, :3] + 0.055) / 1.055) ** 2.4)
     file = os.path.join(os.path.dirname(target), "environment.exr")
-    copy = image.copy()
+    copy = bpy.data.images.new("environment", *image.size, float_buffer=True)
+    copy.colorspace_settings.name = "Non-Color"  # which are saved as they are
+    copy.pixels.foreach_set(texels.ravel())
     copy.filepath_raw, copy.file_format = file, "OPEN_EXR"
-    settings = scene.render.image_settings
-    settings.file_format, settings.color_depth, settings.color_mode = "OPEN_EXR", "32", "RGB"
-    copy.save_render(file)
+    copy.save()
     turn = 0.0
     vector = socket.links[0].from_node.inputs["Vector"]
     if vector.is_linked and vector.links[0].from_node.bl_idname == "ShaderNodeMapping":
@@ -101,6 +109,44 @@ def read_world(world):
     extra["environment"] = {"file": file, "strength": strength, "rotation": -math.pi / 2 - turn}
 
 
+# Shaders that the exporter does not know, as the Principled BSDF has them: sockets that move, and values.
+MATTE = {"Roughness": 1.0, "Specular IOR Level": 0.0}
+SHADERS = {
+    "ShaderNodeBsdfDiffuse": ({"Color": "Base Color", "Normal": "Normal"}, MATTE),
+    "ShaderNodeBsdfTranslucent": ({"Color": "Base Color", "Normal": "Normal"}, MATTE),
+    "ShaderNodeSubsurfaceScattering": ({"Color": "Base Color", "Normal": "Normal"}, MATTE),
+    "ShaderNodeBsdfAnisotropic": ({"Color": "Base Color", "Roughness": "Roughness", "Normal": "Normal"}, {"Metallic": 1.0}),
+    "ShaderNodeBsdfGlass": ({"Color": "Base Color", "Roughness": "Roughness", "IOR": "IOR", "Normal": "Normal"}, {"Transmission Weight": 1.0}),
+    "ShaderNodeBsdfRefraction": ({"Color": "Base Color", "Roughness": "Roughness", "IOR": "IOR", "Normal": "Normal"}, {"Transmission Weight": 1.0}),
+    "ShaderNodeEmission": ({"Color": "Emission Color", "Strength": "Emission Strength"}, {"Base Color": (0, 0, 0, 1), **MATTE}),
+}
+
+
+def as_principled(material):
+    tree = material.node_tree
+    output = tree.get_output_node("ALL") if tree else None
+    if output is None or not output.inputs["Surface"].is_linked:
+        return
+    node = output.inputs["Surface"].links[0].from_node
+    if node.bl_idname == "ShaderNodeBsdfPrincipled":
+        return
+    if node.bl_idname not in SHADERS:
+        extra["warnings"].append(f"material '{material.name}': the shader '{node.bl_label}' is read as Blender's exporter of glTF reads it")
+        return
+    sockets, values = SHADERS[node.bl_idname]
+    made = tree.nodes.new("ShaderNodeBsdfPrincipled")
+    for name, value in values.items():
+        made.inputs[name].default_value = value
+    for old, new in sockets.items():
+        if old != "Normal":
+            made.inputs[new].default_value = node.inputs[old].default_value
+        if node.inputs[old].is_linked:
+            tree.links.new(node.inputs[old].links[0].from_socket, made.inputs[new])
+    tree.links.new(made.outputs[0], output.inputs["Surface"])
+
+
+for material in bpy.data.materials:
+    as_principled(material)
 for thing in [t for t in scene.objects if t.type == "LIGHT" and not t.hide_render]:
     if thing.data.type == "AREA":
         lamp_of(thing)
