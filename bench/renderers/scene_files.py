@@ -45,6 +45,7 @@ def load(path, variant):
     """As mi.load_file does, but properties that are not read are no errors."""
     config = mi.parser.ParserConfig(variant)
     config.unused_parameters = config.unused_properties = mi.LogLevel.Debug
+    mi.file_resolver().prepend(os.path.dirname(os.path.abspath(path)))
     state = mi.parser.parse_file(config, path)
     mi.parser.transform_all(config, state)
     return mi.parser.instantiate(config, state)
@@ -83,6 +84,8 @@ def prepared(path, pixels, depth):
             root.remove(sky)
             child(child(root, "emitter", type="constant"), "rgb", name="radiance", value="1")
     for owner in list(root.iter()):
+        if owner.get("value") == "trilinear":  # of Mitsuba 0.5
+            owner.set("value", "bilinear")
         for texture in owner.findall("texture"):
             if any(s.get("name") == "filename" and not os.path.exists(os.path.join(folder, s.get("value"))) for s in texture):
                 owner.remove(texture)
