@@ -118,6 +118,28 @@ TEST_F(ByAssimp, Fbx) {
     EXPECT_FLOAT_EQ(paint.metallic, 0.f);
 }
 
+/// 3ds Max aims cameras at a node of their own.
+TEST_F(ByAssimp, FbxCameraWithTarget) {
+    std::string text = test::read_file(files / "square.fbx");
+    const auto insert = [&](const std::string& before, const std::string& what) {
+        text.insert(text.find(before), what);
+    };
+    const auto model = [](const std::string& head, const std::string& place) {
+        return "Model: " + head +
+               " {\n Version: 232\n Properties70:  {\n  P: \"Lcl Translation\", \"Lcl Translation\", "
+               "\"\", \"A\"," +
+               place + "\n }\n}\n";
+    };
+    insert("\tMaterial: 300", "NodeAttribute: 400, \"NodeAttribute::eye\", \"Camera\" {\n TypeFlags: \"Camera\"\n}\n" +
+                                  model("210, \"Model::eye\", \"Camera\"", "0,0,100") +
+                                  model("211, \"Model::eye.Target\", \"Null\"", "0,40,70"));
+    insert("\tC: \"OO\",200,0", "C: \"OO\",210,0\nC: \"OO\",211,0\nC: \"OO\",400,210\n");
+    const Scene scene = load_scene(folder.file("aimed.fbx", text).string(), warnings);
+    ASSERT_TRUE(scene.camera);
+    expect_near(scene.camera->position, {0, 0, 10});
+    expect_near(glm::normalize(scene.camera->target - scene.camera->position), {0, 0.8f, -0.6f});
+}
+
 TEST_F(ByAssimp, Autodesk3ds) {
     const Scene scene = load("square.3ds");
     EXPECT_EQ(triangle_count(scene), 2u);
