@@ -91,7 +91,8 @@ protected:
         WebConfig web{.port = 0, .goes_on = [this] { return !ends_; }};
         web.open = [this](const std::filesystem::path& file) {
             opened_ = file, opened_bytes_ = std::filesystem::file_size(file);
-            if (file.filename() == "bad.obj") throw Error(ErrorKind::user, "bad.obj is no scene", "convert it");
+            if (file.filename() == "bad.obj")
+                throw Error(ErrorKind::user, file.string() + " is no scene", "convert it");
             Scene scene = one_sphere();
             scene.materials.resize(2);
             return View(device(), scene, web_config);
@@ -217,7 +218,7 @@ TEST_F(ViewWeb, FilesArriveInPieces) {
     };
     EXPECT_EQ(send("/upload?name=a.obj&at=0", "v 0"), 400) << "no drop has begun";
     EXPECT_EQ(send("/drop"), 200);
-    for (const char* name : {"", "../a.obj", "/etc/a.obj", "a/../../b", "a%0ab", "a%5Cb", "a/", "a//b"})
+    for (const char* name : {"", "../a.obj", "/etc/a.obj", "a/../../b", "a%0ab", "a%5Cb", "a/"})
         EXPECT_EQ(send("/upload?name=" + std::string(name) + "&at=0", "v"), 400) << name;
     const std::string piece(longest_piece, 'v');
     EXPECT_EQ(send("/upload?name=parts/a.obj&at=0", piece), 200);
@@ -235,7 +236,7 @@ TEST_F(ViewWeb, FilesArriveInPieces) {
     EXPECT_TRUE(std::filesystem::exists(opened_)) << "it is shown, and may be read again";
     EXPECT_EQ(send("/upload?name=bad.obj&at=0", "bad"), 200);
     EXPECT_EQ(send("/open?name=bad.obj"), 200);
-    wait_for("bad.obj is no scene; convert it");
+    wait_for("\nbad.obj is no scene; convert it");
     EXPECT_EQ(nlohmann::json::parse(client_->Get("/scene")->body)["materials"].size(), 2u) << "the scene before";
     ends_ = true, served_.get();
     EXPECT_FALSE(std::filesystem::exists(opened_));

@@ -229,15 +229,20 @@ private:
         return open(command.word);
     }
 
-    /// After an error the scene is as before.
-    Answer open(const std::string& name) try {
-        Folder folder = site_.uploads.folder_with(name);
-        view_ = config_.open(*folder / name);
+    /// After an error the scene is as before. Users do not know the folder of a file that they dropped.
+    Answer open(const std::string& name) {
+        Folder folder;
+        try {
+            folder = site_.uploads.folder_with(name);
+            view_ = config_.open(*folder / name);
+        } catch (const Error& error) {
+            if (error.kind() == ErrorKind::device) throw;
+            const std::string line = error.what(), before = folder ? folder->string() + "/" : "";
+            const std::size_t at = before.empty() ? std::string::npos : line.find(before);
+            return {at == std::string::npos ? line : line.substr(0, at) + line.substr(at + before.size()), true};
+        }
         folder_ = std::move(folder), number_ = 0, ++site_.opened;
         return {"opened " + name, false};
-    } catch (const Error& error) {
-        if (error.kind() == ErrorKind::device) throw;
-        return {error.what(), true};
     }
 
     View& view_;
