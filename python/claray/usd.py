@@ -82,29 +82,39 @@ def convert(path: str | os.PathLike[str], glb: str | os.PathLike[str], time: flo
     if not os.path.exists(name):
         raise InputError(f"'{name}' does not exist; check the name")
     try:
-        stage = Usd.Stage.Open(name)
+        converter = _converter_of(name, time)
+        converter.run()
+    except Error:
+        raise
     except Tf.ErrorException as error:
         raise InputError(f"'{name}' is no valid USD: {_first_line(error)}; export it again") from None
-    if time is None:
-        code = Usd.TimeCode.EarliestTime()
-    else:
-        code = Usd.TimeCode(stage.GetStartTimeCode() + time * stage.GetTimeCodesPerSecond())
-    converter = _Converter(stage, code)
-    if stage.HasAuthoredTimeCodeRange() and stage.GetTimeCodesPerSecond() > 0:
-        converter.extra["seconds"] = max((stage.GetEndTimeCode() - stage.GetStartTimeCode()) / stage.GetTimeCodesPerSecond(), 0.0)
-    try:
-        converter.run()
-    except Tf.ErrorException as error:
-        raise InputError(f"'{name}': {_first_line(error)}; export it again") from None
+    except _OF_DAMAGED_FILES as error:
+        raise InputError(f"'{name}' is damaged: {type(error).__name__}: {_first_line(error)}; export it again") from error
     with open(glb, "wb") as file:
         file.write(converter.glb.bytes())
     return converter.extra
 
 
+# What the library, NumPy and the conversion raise for values that no exporter writes, such as names that are no UTF-8.
+_OF_DAMAGED_FILES = (ArithmeticError, LookupError, MemoryError, RuntimeError, TypeError, ValueError)
+
+
+def _converter_of(name: str, time: float | None) -> _Converter:
+    stage = Usd.Stage.Open(name)
+    code = Usd.TimeCode.EarliestTime() if time is None else Usd.TimeCode(stage.GetStartTimeCode() + time * stage.GetTimeCodesPerSecond())
+    converter = _Converter(stage, code)
+    if stage.HasAuthoredTimeCodeRange() and stage.GetTimeCodesPerSecond() > 0:
+        converter.extra["seconds"] = max((stage.GetEndTimeCode() - stage.GetStartTimeCode()) / stage.GetTimeCodesPerSecond(), 0.0)
+    return converter
+
+
 def _first_line(error: Any) -> str:
     """What the library says, without the place in its sources."""
-    said = [str(getattr(one, "commentary", one)).strip() for one in error.args]
-    return " ".join(said[0].split()) if said and said[0] else "it cannot be opened"
+    try:
+        said = error.args[0].commentary if isinstance(error, Tf.ErrorException) and error.args else str(error)
+    except UnicodeDecodeError:
+        return "it has text that is not UTF-8"
+    return " ".join(said.split()) or "it cannot be opened"
 
 
 def _rows(matrix: Any) -> NDArray[np.float64]:
@@ -524,7 +534,8 @@ def main(arguments: list[str]) -> None:
     except Error as problem:
         os.dup2(errors, 2)
         sys.exit(str(problem).rpartition("; ")[0])  # the program has a remedy of its own
-    os.dup2(errors, 2)
+    finally:
+        os.dup2(errors, 2)
     if extra["environment"]:
         extra["environment"].pop("image").save(stem + ".pfm")
         extra["environment"]["file"] = stem + ".pfm"

@@ -469,6 +469,11 @@ def test_bad_files(tmp_path):
         with pytest.raises(claray.InputError, match=name) as raised:
             claray.usd.load(tmp_path / name)
         assert "\n" not in str(raised.value)
+    for content in (b"#usda 1.0\ndef Mesh \"a\xbf\" {}\n", b"#usda 1.0\ndef Mesh \"a\" { int[] faceVertexCounts = [\xbf] }\n"):
+        (tmp_path / "letters.usda").write_bytes(content)
+        with pytest.raises(claray.InputError, match="letters.usda") as raised:
+            claray.usd.load(tmp_path / "letters.usda")
+        assert "\n" not in str(raised.value)
     with pytest.raises(claray.UsageError, match="variant"):
         claray.usd.load(tmp_path / "bad.usda", variant="red")
 
