@@ -150,7 +150,9 @@ Paint MitsubaMaterials::spectrum(const MitsubaNode& node, bool is_light, bool is
     } else if (text.find(':') == std::string::npos) {
         const std::vector<double> all = numbers_in(text, node);
         if (all.size() != 1 && all.size() != 3) return Paint(0.5f);
-        return all.size() == 1 ? Paint(float(all[0])) : Paint(glm::vec3(all[0], all[1], all[2]));
+        if (all.size() == 3) return Paint(glm::vec3(all[0], all[1], all[2]));
+        constexpr SpectrumSample equal_energy[] = {{300, 1}, {900, 1}};
+        return Paint(float(all[0]) * (is_light ? rgb_of_light(equal_energy) : glm::vec3(1.f)));
     }
     const std::vector<SpectrumSample> samples = samples_of(text, node);
     return Paint(glm::max(is_light || is_index ? rgb_of_light(samples) : rgb_of_reflectance(samples), 0.f));

@@ -100,6 +100,18 @@ TEST_F(Mitsuba, Lights) {
     EXPECT_EQ(warned("emitters 'sunsky' are left out"), 1u);
 }
 
+/// A constant spectrum of light has equal energy at all wavelengths, which is redder than white.
+TEST_F(Mitsuba, ConstantSpectraOfLight) {
+    const auto intensity = [&](const std::string& value) {
+        return load("<emitter type='point'>" + value + "</emitter>" + square).lights.at(0).intensity;
+    };
+    const glm::vec3 light = intensity("<spectrum name='intensity' value='2'/>");
+    EXPECT_NEAR(light.x, 2 * 1.205f, 0.01f);
+    EXPECT_NEAR(light.y, 2 * 0.948f, 0.01f);
+    EXPECT_NEAR(light.z, 2 * 0.909f, 0.01f);
+    EXPECT_EQ(intensity("<rgb name='intensity' value='2'/>"), glm::vec3(2.f));
+}
+
 TEST_F(Mitsuba, ImagesAroundTheScene) {
     // Mitsuba's first column shows -z, which is claray's middle.
     Image image{4, 2, {}};
