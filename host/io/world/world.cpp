@@ -195,7 +195,20 @@ void World::add_ball(const glm::dmat4& to_world, std::size_t look, const std::op
 }
 
 void World::add_primitives(PrimitiveSet set, std::size_t look) {
-    set.materials.assign(primitive_count(set), material_of(look));
+    const Material& wanted = looks_[look].material;
+    std::uint32_t material = 0;
+    if (may_be_on_primitives(wanted) && wanted.alpha_mode == AlphaMode::opaque &&
+        !(are_curves(set) && transmits(wanted))) {
+        material = material_of(look);
+    } else {
+        warn("curves of images, holes or glass have one colour and are diffuse");
+        Paint color(wanted.albedo);
+        color.use = wanted.albedo_map;
+        Material plain;
+        plain.albedo = glm::clamp(paints_.mean(color), 0.f, 1.f);
+        material = add_material(std::move(plain));
+    }
+    set.materials.assign(primitive_count(set), material);
     if (!scene_.primitives.empty() && scene_.primitives.back().kind == set.kind && !are_curves(set)) {
         PrimitiveSet& last = scene_.primitives.back();
         last.points.insert(last.points.end(), set.points.begin(), set.points.end());

@@ -178,6 +178,12 @@ TEST_F(Pbrt, Shapes) {
     EXPECT_EQ(warned("shapes 'blob' are left out"), 1u);
 }
 
+TEST_F(Pbrt, CurvesOfGlassAreDiffuse) {
+    const Scene scene = world("Material \"dielectric\"\nShape \"curve\" \"point3 P\" [0 0 0 1 0 0 2 0 0 3 0 0]\n");
+    EXPECT_EQ(int(scene.materials.at(scene.primitives.at(0).materials.at(0)).kind), int(MaterialKind::lambert));
+    EXPECT_EQ(warned("curves of images, holes or glass"), 1u);
+}
+
 TEST_F(Pbrt, FilesAreIncluded) {
     (void)folder.file("geometry.pbrt", triangle);
     EXPECT_EQ(world("Include \"geometry.pbrt\"\nImport \"geometry.pbrt\"\n").meshes.size(), 2u);
