@@ -18,11 +18,11 @@ namespace claray {
 namespace {
 
 namespace fs = std::filesystem;
-using End = ProgramOutput::End;
+using ConverterEnd = ProgramOutput::End;
 using Json = nlohmann::json;
 
 constexpr const char* glb_name = "scene.glb";
-constexpr int missing = 77;  // the exit code of a process whose Python lacks a package
+constexpr int missing_package = 77;  // the exit code of a process whose Python lacks a package
 // claray's module imports what reads USD; another ImportError than its own must not look like a missing package.
 constexpr const char* usd_script =
     "import sys\n"
@@ -33,7 +33,7 @@ constexpr const char* usd_script =
     "main(sys.argv[1:])\n";
 
 /// Five minutes, or $CLARAY_IMPORT_SECONDS.
-double most_seconds() {
+double most_converter_seconds() {
     const std::optional<double> given = number_in(environment("CLARAY_IMPORT_SECONDS"));
     return given && *given > 0 ? std::min(*given, 1e6) : 300;
 }
@@ -50,20 +50,21 @@ struct Converter {
     std::vector<std::string> arguments;
 };
 
-ProgramOutput run(const Converter& converter) {
-    return run_program(converter.arguments, {most_seconds(), std::size_t(1) << 24});
+ProgramOutput run_converter(const Converter& converter) {
+    return run_program(converter.arguments, {most_converter_seconds(), std::size_t(1) << 24});
 }
 
 /// Throws unless the process ended well.
-void check_end(const ProgramOutput& result, const Converter& converter, const std::string& file) {
+void check_converter_end(const ProgramOutput& result, const Converter& converter, const std::string& file) {
     const std::string who = file + ": " + converter.name;
-    if (result.end == End::too_slow)
-        throw Error(ErrorKind::user, who + " took more than " + std::to_string(std::int64_t(most_seconds())) + " s",
+    if (result.end == ConverterEnd::too_slow)
+        throw Error(ErrorKind::user,
+                    who + " took more than " + std::to_string(std::int64_t(most_converter_seconds())) + " s",
                     "give it more by CLARAY_IMPORT_SECONDS");
-    if (result.end == End::killed)
+    if (result.end == ConverterEnd::killed)
         throw Error(ErrorKind::user, who + " crashed (signal " + std::to_string(result.code) + ")",
                     "the file may be damaged; export it again, or as glTF");
-    if (result.end == End::exited && result.code == 0) return;
+    if (result.end == ConverterEnd::exited && result.code == 0) return;
     std::string reason = result.errors;  // of which the last line says what failed
     while (!reason.empty() && std::isspace(static_cast<unsigned char>(reason.back())) != 0) reason.pop_back();
     reason = one_line(reason.substr(reason.rfind('\n') + 1), 200);
@@ -88,7 +89,7 @@ Converted read_converted(std::shared_ptr<const fs::path> folder, const Converter
     return {read_file(glb, remedy), std::move(extra), std::move(folder)};
 }
 
-glm::vec3 vector_of(const Json& values) {
+glm::vec3 json_vector(const Json& values) {
     const auto v = values.get<std::array<float, 3>>();
     return {v[0], v[1], v[2]};
 }
@@ -97,7 +98,7 @@ glm::vec3 vector_of(const Json& values) {
 void add_extra(const Json& extra, Scene& scene, Warnings& warnings, const std::string& file) try {
     for (const Json& line : extra.at("warnings"))
         warnings.push_back(file + ": " + one_line(line.get<std::string>(), 200));
-    if (const Json& sky = extra.at("sky"); !sky.is_null()) scene.sky.horizon = scene.sky.zenith = vector_of(sky);
+    if (const Json& sky = extra.at("sky"); !sky.is_null()) scene.sky.horizon = scene.sky.zenith = json_vector(sky);
     if (const Json& image = extra.at("environment"); !image.is_null()) {
         scene.environment = load_environment(image.at("file").get<std::string>(), warnings);
         scene.environment.strength = image.at("strength").get<float>();
@@ -106,8 +107,8 @@ void add_extra(const Json& extra, Scene& scene, Warnings& warnings, const std::s
     for (const Json& sun : extra.at("suns")) {
         Light light;
         light.kind = LightKind::sun;
-        light.direction = vector_of(sun.at("direction"));
-        light.intensity = vector_of(sun.at("irradiance"));
+        light.direction = json_vector(sun.at("direction"));
+        light.intensity = json_vector(sun.at("irradiance"));
         light.outer_angle = sun.at("angle").get<float>();
         scene.lights.push_back(light);
     }
@@ -123,13 +124,14 @@ Converted converted_usd(const fs::path& path, const LoadOptions& options) {
     Converter usd{"the library of USD",
                   {program_of("CLARAY_PYTHON", "python3"), "-c", usd_script, path.string(), glb.string()}};
     if (options.time) usd.arguments.push_back(std::to_string(*options.time));
-    const ProgramOutput result = run(usd);
-    if (result.end == End::not_started || (result.end == End::exited && result.code == missing))
+    const ProgramOutput result = run_converter(usd);
+    if (result.end == ConverterEnd::not_started ||
+        (result.end == ConverterEnd::exited && result.code == missing_package))
         throw Error(
             ErrorKind::user,
             file + ": USD is read by Python's claray and usd-core, which " + usd.arguments[0] + " does not have",
             "pip install claray usd-core, or name another interpreter by CLARAY_PYTHON");
-    check_end(result, usd, file);
+    check_converter_end(result, usd, file);
     return read_converted(folder, usd, file);
 }
 
@@ -149,9 +151,11 @@ Converted converted_blend(const fs::path& path) {
     const auto folder = scratch_folder();
     const fs::path glb = *folder / glb_name;
     for (const Converter& converter : blenders(fs::absolute(path).string(), glb.string())) {
-        const ProgramOutput result = run(converter);
-        if (result.end == End::not_started || (result.end == End::exited && result.code == missing)) continue;
-        check_end(result, converter, file);
+        const ProgramOutput result = run_converter(converter);
+        if (result.end == ConverterEnd::not_started ||
+            (result.end == ConverterEnd::exited && result.code == missing_package))
+            continue;
+        check_converter_end(result, converter, file);
         return read_converted(folder, converter, file);
     }
     throw Error(ErrorKind::user, file + ": files of Blender are read by Blender, which is not installed",
