@@ -26,45 +26,45 @@ namespace {
 using std::to_string;
 
 /// Without the prefix of its namespace, which files choose.
-std::string_view local_name(std::string_view name) {
+std::string_view local_name_of(std::string_view name) {
     const std::size_t colon = name.find(':');
     return colon == name.npos ? name : name.substr(colon + 1);
 }
 
-pugi::xml_node child_of(const pugi::xml_node& node, std::string_view name) {
+pugi::xml_node child_named(const pugi::xml_node& node, std::string_view name) {
     for (const pugi::xml_node& child : node.children())
-        if (local_name(child.name()) == name) return child;
+        if (local_name_of(child.name()) == name) return child;
     return {};
 }
 
-std::string attribute_of(const pugi::xml_node& node, std::string_view name) {
+std::string attribute_named(const pugi::xml_node& node, std::string_view name) {
     for (const pugi::xml_attribute& attribute : node.attributes())
-        if (local_name(attribute.name()) == name) return attribute.value();
+        if (local_name_of(attribute.name()) == name) return attribute.value();
     return {};
 }
 
 /// What a group of properties says of one corner: a colour, or a place in an image.
-struct Property {
+struct CornerProperty {
     glm::vec4 color{1.f};
     glm::vec2 uv{0.f};
     std::uint32_t material = 0;
 };
-constexpr std::uint32_t plain = 0, colored = 1;  // materials; textures follow
+constexpr std::uint32_t plain_material = 0, colored_material = 1;  // materials; textures follow
 
 /// A model part of the archive.
-struct Model {
+struct ModelPart {
     std::unique_ptr<pugi::xml_document> document;
     std::map<std::string, pugi::xml_node> objects;
-    std::map<std::string, std::vector<Property>> properties;
+    std::map<std::string, std::vector<CornerProperty>> properties;
 };
 
-class Loader {
+class ThreeMfLoader {
 public:
-    Loader(const std::filesystem::path& path, std::string_view bytes, Warnings& warnings)
+    ThreeMfLoader(const std::filesystem::path& path, std::string_view bytes, Warnings& warnings)
         : path_(path), zip_(bytes, path), warnings_(warnings) {
         scene_.name = path.stem().string();
         scene_.materials = {grey_lambert(scene_.name), grey_lambert("colours")};
-        scene_.materials[colored].albedo = glm::vec3(1.f);
+        scene_.materials[colored_material].albedo = glm::vec3(1.f);
     }
 
     Scene load() {
@@ -72,10 +72,10 @@ public:
         const pugi::xml_node model = model_of(root).document->document_element();
         // Metres, and y upwards instead of z.
         const glm::dmat4 to_world =
-            glm::rotate(glm::scale(glm::dmat4(1.0), glm::dvec3(metres_of(attribute_of(model, "unit")))),
+            glm::rotate(glm::scale(glm::dmat4(1.0), glm::dvec3(metres_of(attribute_named(model, "unit")))),
                         glm::radians(-90.0), glm::dvec3(1, 0, 0));
-        for (const pugi::xml_node& item : child_of(model, "build").children())
-            if (local_name(item.name()) == "item") place(item, root, to_world, 0);
+        for (const pugi::xml_node& item : child_named(model, "build").children())
+            if (local_name_of(item.name()) == "item") place(item, root, to_world, 0);
         finish();
         return std::move(scene_);
     }
@@ -89,23 +89,23 @@ private:
         pugi::xml_document relations;
         if (text && relations.load_buffer(text->data(), text->size()))
             for (const pugi::xml_node& relation : relations.document_element().children())
-                if (attribute_of(relation, "Type").ends_with("/3dmodel")) return attribute_of(relation, "Target");
+                if (attribute_named(relation, "Type").ends_with("/3dmodel")) return attribute_named(relation, "Target");
         return "3D/3dmodel.model";
     }
 
-    Model& model_of(const std::string& part) {
+    ModelPart& model_of(const std::string& part) {
         const auto [found, is_new] = models_.try_emplace(part);
-        Model& model = found->second;
+        ModelPart& model = found->second;
         if (!is_new) return model;
         const std::optional<std::string> text = zip_.read(part);
         if (!text) refuse("it has no part " + claray::quoted(part));
         model.document = std::make_unique<pugi::xml_document>();
         const pugi::xml_parse_result parsed = model.document->load_buffer(text->data(), text->size());
         if (!parsed) refuse("its part " + claray::quoted(part) + " is no XML: " + parsed.description());
-        const pugi::xml_node resources = child_of(model.document->document_element(), "resources");
+        const pugi::xml_node resources = child_named(model.document->document_element(), "resources");
         for (const pugi::xml_node& resource : resources.children()) {
-            const std::string id = attribute_of(resource, "id");
-            if (local_name(resource.name()) == "object")
+            const std::string id = attribute_named(resource, "id");
+            if (local_name_of(resource.name()) == "object")
                 model.objects.try_emplace(id, resource);
             else
                 model.properties[id] = properties_of(resource, resources, model);
@@ -148,19 +148,21 @@ private:
         return {linear_from_display(display / 255.0), float(value & 255) / 255.f};
     }
 
-    std::vector<Property> properties_of(const pugi::xml_node& group, const pugi::xml_node& resources, Model& model) {
-        const std::string_view kind = local_name(group.name());
-        std::vector<Property> result;
-        const std::uint32_t image = kind == "texture2dgroup" ? texture(attribute_of(group, "texid"), resources) : 0;
+    std::vector<CornerProperty> properties_of(const pugi::xml_node& group, const pugi::xml_node& resources,
+                                              ModelPart& model) {
+        const std::string_view kind = local_name_of(group.name());
+        std::vector<CornerProperty> result;
+        const std::uint32_t image = kind == "texture2dgroup" ? texture(attribute_named(group, "texid"), resources) : 0;
         for (const pugi::xml_node& entry : group.children()) {
-            const std::string_view name = local_name(entry.name());
+            const std::string_view name = local_name_of(entry.name());
             if (name == "base")
-                result.push_back({.color = color_of(attribute_of(entry, "displaycolor")), .material = colored});
+                result.push_back(
+                    {.color = color_of(attribute_named(entry, "displaycolor")), .material = colored_material});
             if (name == "color")
-                result.push_back({.color = color_of(attribute_of(entry, "color")), .material = colored});
+                result.push_back({.color = color_of(attribute_named(entry, "color")), .material = colored_material});
             if (name == "tex2coord")
-                result.push_back({.uv = {float(number(attribute_of(entry, "u"), "texture coordinates")),
-                                         1.f - float(number(attribute_of(entry, "v"), "texture coordinates"))},
+                result.push_back({.uv = {float(number(attribute_named(entry, "u"), "texture coordinates")),
+                                         1.f - float(number(attribute_named(entry, "v"), "texture coordinates"))},
                                   .material = image});
             if (name == "composite") result.push_back(composite(entry, group, model));
             if (name == "multi") result.push_back(first_layer(entry, group, model));
@@ -168,15 +170,15 @@ private:
         return result;
     }
 
-    const std::vector<Property>* group_of(const std::string& id, const Model& model) const {
+    const std::vector<CornerProperty>* group_of(const std::string& id, const ModelPart& model) const {
         const auto found = model.properties.find(id);
         return found == model.properties.end() ? nullptr : &found->second;
     }
 
     /// A mixture of base materials.
-    Property composite(const pugi::xml_node& entry, const pugi::xml_node& group, const Model& model) const {
-        const std::vector<Property>* const bases = group_of(attribute_of(group, "matid"), model);
-        const std::string values = attribute_of(entry, "values"), indices = attribute_of(group, "matindices");
+    CornerProperty composite(const pugi::xml_node& entry, const pugi::xml_node& group, const ModelPart& model) const {
+        const std::vector<CornerProperty>* const bases = group_of(attribute_named(group, "matid"), model);
+        const std::string values = attribute_named(entry, "values"), indices = attribute_named(group, "matindices");
         std::string_view value_words = values, index_words = indices;
         glm::vec4 sum(0.f);
         float weights = 0;
@@ -186,30 +188,31 @@ private:
             sum += weight * (*bases)[index(at, bases->size(), "base materials")].color;
             weights += weight;
         }
-        return {.color = weights > 0 ? glm::clamp(sum / weights, 0.f, 1.f) : glm::vec4(1.f), .material = colored};
+        return {.color = weights > 0 ? glm::clamp(sum / weights, 0.f, 1.f) : glm::vec4(1.f),
+                .material = colored_material};
     }
 
     /// Layers over layers: the first is shown.
-    Property first_layer(const pugi::xml_node& entry, const pugi::xml_node& group, const Model& model) {
+    CornerProperty first_layer(const pugi::xml_node& entry, const pugi::xml_node& group, const ModelPart& model) {
         has_layers_ = true;
-        const std::string ids = attribute_of(group, "pids"), indices = attribute_of(entry, "pindices");
+        const std::string ids = attribute_named(group, "pids"), indices = attribute_named(entry, "pindices");
         std::string_view id_words = ids, index_words = indices;
-        const std::vector<Property>* const layer = group_of(std::string(next_word(id_words)), model);
+        const std::vector<CornerProperty>* const layer = group_of(std::string(next_word(id_words)), model);
         if (!layer || layer->empty()) return {};
         const std::string at(next_word(index_words));
         const double place = at.empty() ? 0 : number(at, "properties");  // some point beyond their layer
         return place >= 0 && place < double(layer->size()) ? (*layer)[std::size_t(place)]
-                                                           : Property{.material = colored};
+                                                           : CornerProperty{.material = colored_material};
     }
 
     /// The material of an image in the archive; colours where it cannot be found.
     std::uint32_t texture(const std::string& id, const pugi::xml_node& resources) {
         for (const pugi::xml_node& node : resources.children()) {
-            if (local_name(node.name()) != "texture2d" || attribute_of(node, "id") != id) continue;
-            const std::string part = attribute_of(node, "path");
+            if (local_name_of(node.name()) != "texture2d" || attribute_named(node, "id") != id) continue;
+            const std::string part = attribute_named(node, "path");
             TextureSettings settings;
-            settings.wrap_u = wrap_of(attribute_of(node, "tilestyleu"));
-            settings.wrap_v = wrap_of(attribute_of(node, "tilestylev"));
+            settings.wrap_u = wrap_of(attribute_named(node, "tilestyleu"));
+            settings.wrap_v = wrap_of(attribute_named(node, "tilestylev"));
             const auto image = textures_.add(part, settings, [&](TexelFormat format, std::size_t room) {
                 const std::optional<std::string> bytes = zip_.read(part);
                 if (!bytes) return std::optional<Texture>();
@@ -218,7 +221,7 @@ private:
             });
             if (!image) {
                 warnings_.push_back("'" + path_.string() + "': the image " + claray::quoted(part) + " is missing");
-                return colored;
+                return colored_material;
             }
             Material material = grey_lambert(part);
             material.albedo = glm::vec3(1.f);
@@ -226,7 +229,7 @@ private:
             scene_.materials.push_back(material);
             return std::uint32_t(scene_.materials.size() - 1);
         }
-        return colored;
+        return colored_material;
     }
 
     static Wrap wrap_of(const std::string& style) {
@@ -234,7 +237,7 @@ private:
     }
 
     glm::dmat4 transform_of(const pugi::xml_node& node) const {
-        const std::string text = attribute_of(node, "transform");
+        const std::string text = attribute_named(node, "transform");
         glm::dmat4 matrix(1.0);
         if (text.empty()) return matrix;
         std::string_view words = text;
@@ -249,28 +252,28 @@ private:
         constexpr std::size_t most_places = 1'000'000;  // components of components may be very many
         constexpr int deepest = 64;
         if (++places_ > most_places || depth > deepest) refuse("its components are nested too deeply, or too many");
-        const std::string path = attribute_of(node, "path"), id = attribute_of(node, "objectid"),
+        const std::string path = attribute_named(node, "path"), id = attribute_named(node, "objectid"),
                           own = path.empty() ? part : path;
-        const Model& model = model_of(own);
+        const ModelPart& model = model_of(own);
         const auto found = model.objects.find(id);
         if (found == model.objects.end()) refuse("it has no object " + claray::quoted(id));
         const glm::dmat4 world = outer * transform_of(node);
-        for (const pugi::xml_node& component : child_of(found->second, "components").children())
-            if (local_name(component.name()) == "component") place(component, own, world, depth + 1);
-        const pugi::xml_node mesh = child_of(found->second, "mesh");
+        for (const pugi::xml_node& component : child_named(found->second, "components").children())
+            if (local_name_of(component.name()) == "component") place(component, own, world, depth + 1);
+        const pugi::xml_node mesh = child_named(found->second, "mesh");
         if (!mesh) return;
         const auto [known, is_new] = meshes_.try_emplace({own, id});
         if (is_new) known->second = add_mesh(found->second, mesh, model);
         if (known->second)
-            scene_.instances.push_back({*known->second, glm::mat4(world), {}, attribute_of(found->second, "name")});
+            scene_.instances.push_back({*known->second, glm::mat4(world), {}, attribute_named(found->second, "name")});
     }
 
     std::optional<std::uint32_t> add_mesh(const pugi::xml_node& object, const pugi::xml_node& source,
-                                          const Model& model) {
+                                          const ModelPart& model) {
         Mesh vertices;
-        vertices.name = attribute_of(object, "name");
-        for (const pugi::xml_node& vertex : child_of(source, "vertices").children())
-            if (local_name(vertex.name()) == "vertex") {
+        vertices.name = attribute_named(object, "name");
+        for (const pugi::xml_node& vertex : child_named(source, "vertices").children())
+            if (local_name_of(vertex.name()) == "vertex") {
                 glm::vec3 position;
                 for (int k = 0; k < 3; ++k)
                     position[k] = float(number(vertex.attribute(k == 0   ? "x"
@@ -280,35 +283,35 @@ private:
                                                "vertices"));
                 vertices.positions.push_back(position);
             }
-        has_beams_ |= bool(child_of(source, "beamlattice"));
-        const pugi::xml_node triangles = child_of(source, "triangles");
+        has_beams_ |= bool(child_named(source, "beamlattice"));
+        const pugi::xml_node triangles = child_named(source, "triangles");
         if (!triangles || triangles.first_child().empty()) return {};
         warn_of_positions(vertices, path_, warnings_);
         scene_.meshes.push_back(mesh_of(std::move(vertices), triangles, object, model));
         return std::uint32_t(scene_.meshes.size() - 1);
     }
 
-    Mesh mesh_of(Mesh vertices, const pugi::xml_node& source, const pugi::xml_node& object, const Model& model) {
-        const std::string object_id = attribute_of(object, "pid"), object_index = attribute_of(object, "pindex");
+    Mesh mesh_of(Mesh vertices, const pugi::xml_node& source, const pugi::xml_node& object, const ModelPart& model) {
+        const std::string object_id = attribute_named(object, "pid"), object_index = attribute_named(object, "pindex");
         const std::size_t count = vertices.positions.size();
         PlyCorners corners(std::move(vertices), true, true);
         std::vector<glm::uvec3> triangles;
         std::vector<std::uint32_t> materials;
         for (const pugi::xml_node& node : source.children()) {
-            if (local_name(node.name()) != "triangle") continue;
-            const std::string own_id = attribute_of(node, "pid"), first = attribute_of(node, "p1");
-            const std::vector<Property>* const group = group_of(own_id.empty() ? object_id : own_id, model);
+            if (local_name_of(node.name()) != "triangle") continue;
+            const std::string own_id = attribute_named(node, "pid"), first = attribute_named(node, "p1");
+            const std::vector<CornerProperty>* const group = group_of(own_id.empty() ? object_id : own_id, model);
             glm::uvec3 triangle;
-            std::uint32_t material = plain;
+            std::uint32_t material = plain_material;
             for (int k = 0; k < 3; ++k) {
                 static constexpr const char *vertex_names[] = {"v1", "v2", "v3"},
                                             *property_names[] = {"p1", "p2", "p3"};
-                std::string at = attribute_of(node, property_names[k]);
+                std::string at = attribute_named(node, property_names[k]);
                 if (at.empty()) at = first.empty() ? object_index : first;
-                Property property{.color = glm::vec4(1.f)};
+                CornerProperty property{.color = glm::vec4(1.f)};
                 if (group && !at.empty()) property = (*group)[index(at, group->size(), "properties")];
                 if (k == 0) material = property.material;
-                const std::size_t vertex = index(attribute_of(node, vertex_names[k]), count, "vertices");
+                const std::size_t vertex = index(attribute_named(node, vertex_names[k]), count, "vertices");
                 triangle[k] = corners.number({std::uint32_t(vertex), property.uv, property.color});
             }
             triangles.push_back(triangle);
@@ -328,7 +331,7 @@ private:
         bool lets_through = false;
         for (const Mesh& mesh : scene_.meshes)
             for (const glm::vec4& color : mesh.colors) lets_through |= color.w < 1.f;
-        if (lets_through) scene_.materials[colored].alpha_mode = AlphaMode::blend;
+        if (lets_through) scene_.materials[colored_material].alpha_mode = AlphaMode::blend;
         if (scene_.instances.size() == scene_.meshes.size()) put_in_place();
     }
 
@@ -349,7 +352,7 @@ private:
     Warnings& warnings_;
     Scene scene_;
     SceneTextures textures_{scene_};
-    std::map<std::string, Model> models_;
+    std::map<std::string, ModelPart> models_;
     std::map<std::pair<std::string, std::string>, std::optional<std::uint32_t>> meshes_;
     std::size_t places_ = 0;
     bool has_layers_ = false, has_beams_ = false;
@@ -360,7 +363,7 @@ private:
 Scene load_3mf_without_light(const std::filesystem::path& path, Warnings& warnings, const LoadOptions&) try {
     const std::string bytes = read_file(path, "check the path");
     if (bytes.empty()) throw Error(ErrorKind::user, "'" + path.string() + "' is empty", "export it again");
-    Scene scene = Loader(path, bytes, warnings).load();
+    Scene scene = ThreeMfLoader(path, bytes, warnings).load();
     try {
         validate(scene);
     } catch (const Error& error) {

@@ -10,7 +10,7 @@
 namespace claray {
 namespace {
 
-constexpr std::size_t end_bytes = 22, entry_bytes = 46, header_bytes = 30;
+constexpr std::size_t zip_end_bytes = 22, zip_entry_bytes = 46, part_header_bytes = 30;
 
 std::string plain_name(std::string_view name) {
     while (name.starts_with('/')) name.remove_prefix(1);
@@ -23,7 +23,7 @@ std::string plain_name(std::string_view name) {
 
 ZipFile::ZipFile(std::string_view bytes, std::filesystem::path path) : bytes_(bytes), path_(std::move(path)) {
     const std::size_t end = bytes.rfind("PK\5\6");
-    if (end == bytes.npos || bytes.size() - end < end_bytes) refuse("it is no zip archive, or it is cut off");
+    if (end == bytes.npos || bytes.size() - end < zip_end_bytes) refuse("it is no zip archive, or it is cut off");
     read_directory(end);
 }
 
@@ -50,11 +50,11 @@ void ZipFile::read_directory(std::size_t end) {
                   .size = word(at + 24, 4),
                   .header = word(at + 42, 4)};
         const std::size_t name = word(at + 28, 2), extra = word(at + 30, 2), comment = word(at + 32, 2);
-        if (name + extra > bytes_.size() - at - entry_bytes) refuse("its directory is cut off");
-        part.name = plain_name(bytes_.substr(at + entry_bytes, name));
-        read_large_sizes(part, at + entry_bytes + name, at + entry_bytes + name + extra);
+        if (name + extra > bytes_.size() - at - zip_entry_bytes) refuse("its directory is cut off");
+        part.name = plain_name(bytes_.substr(at + zip_entry_bytes, name));
+        read_large_sizes(part, at + zip_entry_bytes + name, at + zip_entry_bytes + name + extra);
         parts_.push_back(std::move(part));
-        at += entry_bytes + name + extra + comment;
+        at += zip_entry_bytes + name + extra + comment;
     }
 }
 
@@ -76,7 +76,7 @@ void ZipFile::read_large_sizes(Part& part, std::size_t begin, std::size_t end) c
 
 std::string_view ZipFile::packed_bytes(const Part& part) const {
     if (word(part.header, 4) != 0x04034b50) refuse("its part " + claray::quoted(part.name) + " is damaged");
-    const std::size_t begin = part.header + header_bytes + word(part.header + 26, 2) + word(part.header + 28, 2);
+    const std::size_t begin = part.header + part_header_bytes + word(part.header + 26, 2) + word(part.header + 28, 2);
     if (begin > bytes_.size() || part.packed > bytes_.size() - begin)
         refuse("its part " + claray::quoted(part.name) + " is cut off");
     return bytes_.substr(begin, part.packed);

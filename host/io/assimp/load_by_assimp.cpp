@@ -15,12 +15,12 @@ namespace claray {
 namespace {
 
 namespace fs = std::filesystem;
-using End = ProgramOutput::End;
+using ProgramEnd = ProgramOutput::End;
 
-constexpr const char* program_name = "claray-import";
-constexpr const char* convert = "convert it to glTF, for example by Blender";
+constexpr const char* import_name = "claray-import";
+constexpr const char* convert_to_gltf = "convert it to glTF, for example by Blender";
 
-bool can_run(const fs::path& path) {
+bool is_program(const fs::path& path) {
     std::error_code error;
     return fs::is_regular_file(path, error);
 }
@@ -28,23 +28,23 @@ bool can_run(const fs::path& path) {
 /// $CLARAY_IMPORT, else beside this program, where installations have it, or in the folders of $PATH. Empty: none.
 std::string import_program() {
     const std::string given = environment("CLARAY_IMPORT");
-    if (!given.empty()) return can_run(given) ? given : std::string();
+    if (!given.empty()) return is_program(given) ? given : std::string();
     const std::string own = fs::path(this_program()).parent_path().string();
     std::istringstream folders(own + ":" + own + "/../libexec/claray:" + environment("PATH") +
                                ":/usr/local/libexec/claray:/usr/libexec/claray");
     for (std::string folder; std::getline(folders, folder, ':');)
-        if (!folder.empty() && can_run(fs::path(folder) / program_name)) return fs::path(folder) / program_name;
+        if (!folder.empty() && is_program(fs::path(folder) / import_name)) return fs::path(folder) / import_name;
     return {};
 }
 
 /// Five minutes, or $CLARAY_IMPORT_SECONDS.
-double most_seconds() {
+double most_import_seconds() {
     const std::optional<double> given = number_in(environment("CLARAY_IMPORT_SECONDS"));
     return given && *given > 0 ? std::min(*given, 1e6) : 300;
 }
 
 /// By which Assimp knows the format: the file's extension, or the first of its row if its content told the format.
-std::string extension_for(const fs::path& path, const SceneReader& reader) {
+std::string assimp_extension(const fs::path& path, const SceneReader& reader) {
     std::string own = path.extension().string();
     std::transform(own.begin(), own.end(), own.begin(), [](unsigned char c) { return std::tolower(c); });
     std::string_view known = reader.extensions;
@@ -54,38 +54,40 @@ std::string extension_for(const fs::path& path, const SceneReader& reader) {
     return std::string(first.substr(1));
 }
 
-[[noreturn]] void refuse(const ProgramOutput& result, const std::string& file, const std::string& format) {
+[[noreturn]] void refuse_output(const ProgramOutput& result, const std::string& file, const std::string& format) {
     const std::string reader = "Assimp's reader of " + format;
     switch (result.end) {
-        case End::not_started:
-            throw Error(ErrorKind::user, file + ": " + program_name + " cannot be started", "install it again");
-        case End::too_slow:
-            throw Error(ErrorKind::user, file + ": " + reader + printed(" took more than %.3g s", most_seconds()),
-                        std::string("give it more by CLARAY_IMPORT_SECONDS, or ") + convert);
-        case End::too_long:
+        case ProgramEnd::not_started:
+            throw Error(ErrorKind::user, file + ": " + import_name + " cannot be started", "install it again");
+        case ProgramEnd::too_slow:
+            throw Error(ErrorKind::user,
+                        file + ": " + reader + printed(" took more than %.3g s", most_import_seconds()),
+                        std::string("give it more by CLARAY_IMPORT_SECONDS, or ") + convert_to_gltf);
+        case ProgramEnd::too_long:
             throw Error(ErrorKind::user, file + ": its glTF has more than 4 GiB", "use a smaller scene");
-        case End::killed:
+        case ProgramEnd::killed:
             throw Error(ErrorKind::user, file + ": " + reader + " crashed (signal " + std::to_string(result.code) + ")",
-                        convert);
-        case End::exited: break;
+                        convert_to_gltf);
+        case ProgramEnd::exited: break;
     }
     const std::string reason = one_line(result.errors.substr(0, result.errors.find('\n')), 120);
     throw Error(ErrorKind::user, file + ": " + reader + " says: " + (reason.empty() ? "nothing" : reason),
-                std::string("export it again, or ") + convert);
+                std::string("export it again, or ") + convert_to_gltf);
 }
 
 /// The scene as a binary glTF. What was left out becomes warnings.
-std::string imported(const fs::path& path, Warnings& warnings) {
+std::string imported_by_assimp(const fs::path& path, Warnings& warnings) {
     check_file_readable(path, "check the path");
     const SceneReader& reader = *scene_reader_of(path);
     const std::string file = "'" + path.string() + "'", program = import_program();
     if (program.empty())
         throw Error(ErrorKind::user,
-                    file + ": " + program_name + ", which reads " + reader.name + " by Assimp, is not installed",
+                    file + ": " + import_name + ", which reads " + reader.name + " by Assimp, is not installed",
                     "install the package claray-import, or build claray with libassimp-dev");
     constexpr std::size_t most = std::size_t(1) << 32;  // a .glb states its size in 32 bits
-    ProgramOutput result = run_program({program, path.string(), extension_for(path, reader)}, {most_seconds(), most});
-    if (result.end != End::exited || result.code != 0) refuse(result, file, reader.name);
+    ProgramOutput result =
+        run_program({program, path.string(), assimp_extension(path, reader)}, {most_import_seconds(), most});
+    if (result.end != ProgramEnd::exited || result.code != 0) refuse_output(result, file, reader.name);
     std::istringstream lines(result.errors);
     for (std::string line; std::getline(lines, line);) warnings.push_back(file + ": " + one_line(line, 120));
     return std::move(result.output);
@@ -94,12 +96,12 @@ std::string imported(const fs::path& path, Warnings& warnings) {
 }  // namespace
 
 Scene load_by_assimp_without_light(const fs::path& path, Warnings& warnings, const LoadOptions& options) {
-    return load_gltf_bytes(path, imported(path, warnings), warnings, options);
+    return load_gltf_bytes(path, imported_by_assimp(path, warnings), warnings, options);
 }
 
 std::optional<double> assimp_animation_seconds(const fs::path& path, const LoadOptions& options) {
     Warnings ignored;  // they are those of loading
-    return gltf_animation_seconds(path, imported(path, ignored), options);
+    return gltf_animation_seconds(path, imported_by_assimp(path, ignored), options);
 }
 
 }  // namespace claray

@@ -12,8 +12,8 @@
 namespace claray {
 namespace {
 
-constexpr std::string_view mark = "\xabKTX 20\xbb\r\n\x1a\n";  // KTX 2.0, section 3.1
-constexpr std::size_t header_bytes = 80;
+constexpr std::string_view ktx2_mark = "\xabKTX 20\xbb\r\n\x1a\n";  // KTX 2.0, section 3.1
+constexpr std::size_t ktx_header_bytes = 80;
 
 /// Of ktx.h, version 4. Objects stay behind their pointers, so that nothing depends on their layout.
 struct Ktx {
@@ -26,10 +26,10 @@ struct Ktx {
     std::size_t (*size)(void* texture) = nullptr;
     void (*destroy)(void* texture) = nullptr;
 };
-constexpr std::uint32_t load_image_data = 1;
-constexpr int rgba32 = 13;
+constexpr std::uint32_t ktx_load_image_data = 1;
+constexpr int ktx_rgba32 = 13;
 
-bool fill(Ktx& ktx, void* library) {
+bool find_all(Ktx& ktx, void* library) {
     return library != nullptr && find_function(library, "ktxTexture2_CreateFromMemory", ktx.create) &&
            find_function(library, "ktxTexture2_NeedsTranscoding", ktx.needs_transcoding) &&
            find_function(library, "ktxTexture2_TranscodeBasis", ktx.transcode) &&
@@ -40,19 +40,19 @@ bool fill(Ktx& ktx, void* library) {
 }
 
 /// Null where there is none.
-const Ktx* loaded() {
+const Ktx* loaded_ktx() {
     static const std::unique_ptr<Ktx> ktx = []() -> std::unique_ptr<Ktx> {
         const std::string given = environment("CLARAY_KTX");
         for (const char* name : {given.c_str(), "libktx.so.4", "libktx.so", "libktx_read.so.4", "libktx_read.so"}) {
             auto found = std::make_unique<Ktx>();
-            if (*name != '\0' && fill(*found, ::dlopen(name, RTLD_NOW | RTLD_LOCAL))) return found;
+            if (*name != '\0' && find_all(*found, ::dlopen(name, RTLD_NOW | RTLD_LOCAL))) return found;
         }
         return nullptr;
     }();
     return ktx.get();
 }
 
-std::uint32_t word(std::string_view bytes, std::size_t at) {
+std::uint32_t ktx_word(std::string_view bytes, std::size_t at) {
     std::uint32_t value = 0;
     for (std::size_t i = 4; i-- > 0;) value = value << 8 | std::uint8_t(bytes[at + i]);
     return value;
@@ -60,15 +60,16 @@ std::uint32_t word(std::string_view bytes, std::size_t at) {
 
 }  // namespace
 
-bool is_ktx2(std::string_view bytes) { return bytes.starts_with(mark); }
+bool is_ktx2(std::string_view bytes) { return bytes.starts_with(ktx2_mark); }
 
-bool can_read_ktx2() { return loaded() != nullptr; }
+bool can_read_ktx2() { return loaded_ktx() != nullptr; }
 
 std::string read_ktx2_header(std::string_view bytes, ImageShape& shape) {
-    if (!loaded()) return "it is KTX 2 (KHR_texture_basisu), and libktx is not installed (CLARAY_KTX may name it)";
-    if (bytes.size() < header_bytes) return "it is cut off";
-    shape.width = word(bytes, 20), shape.height = word(bytes, 24), shape.channels = 4;
-    const bool is_volume = word(bytes, 28) != 0, is_array = word(bytes, 32) > 1, is_cube = word(bytes, 36) != 1;
+    if (!loaded_ktx()) return "it is KTX 2 (KHR_texture_basisu), and libktx is not installed (CLARAY_KTX may name it)";
+    if (bytes.size() < ktx_header_bytes) return "it is cut off";
+    shape.width = ktx_word(bytes, 20), shape.height = ktx_word(bytes, 24), shape.channels = 4;
+    const bool is_volume = ktx_word(bytes, 28) != 0, is_array = ktx_word(bytes, 32) > 1,
+               is_cube = ktx_word(bytes, 36) != 1;
     if (is_volume || is_array || is_cube) return "its KTX 2 holds more than one image";
     // ETC1S takes at least an index of a few bits for 16 texels, which may be packed further.
     shape.least_bytes = std::uint64_t(shape.width) * shape.height / 4096;
@@ -76,13 +77,14 @@ std::string read_ktx2_header(std::string_view bytes, ImageShape& shape) {
 }
 
 std::string read_ktx2_pixels(std::string_view bytes, const ImageShape& shape, std::vector<std::uint8_t>& values) {
-    const Ktx& ktx = *loaded();
+    const Ktx& ktx = *loaded_ktx();
     void* created = nullptr;
-    if (ktx.create(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), load_image_data, &created) != 0)
+    if (ktx.create(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), ktx_load_image_data, &created) !=
+        0)
         return "libktx cannot read it";
     const std::unique_ptr<void, void (*)(void*)> texture(created, ktx.destroy);
     if (!ktx.needs_transcoding(created)) return "its KTX 2 is not of Basis Universal";
-    if (ktx.transcode(created, rgba32, 0) != 0) return "libktx cannot decode it";
+    if (ktx.transcode(created, ktx_rgba32, 0) != 0) return "libktx cannot decode it";
     std::size_t offset = 0;
     const std::size_t size = std::size_t(shape.width) * shape.height * shape.channels;
     if (ktx.offset(created, 0, 0, 0, &offset) != 0 || ktx.size(created) < size || offset > ktx.size(created) - size)

@@ -12,14 +12,14 @@ namespace claray {
 namespace {
 
 /// Red, green and blue in the lower three bytes of a word, which PCL also calls a float.
-glm::vec4 unpacked(std::uint32_t word) {
+glm::vec4 unpacked_color(std::uint32_t word) {
     glm::dvec3 display;
     for (int k = 0; k < 3; ++k) display[k] = double(word >> (16 - 8 * k) & 255) / 255;
     return {linear_from_display(display), 1.f};
 }
 
 /// All that are finite: scanners write NaN where a ray met nothing.
-Strokes points_of(const PcdFile& file, const std::string& name) {
+Strokes strokes_of_pcd(const PcdFile& file, const std::string& name) {
     const PcdField *x = file.field("x"), *y = file.field("y"), *z = file.field("z");
     if (!x || !y || !z) file.refuse("the points lack x, y or z");
     if (file.points() > 0xffffffffu) file.refuse("there are more than 2^32 points");
@@ -33,7 +33,7 @@ Strokes points_of(const PcdFile& file, const std::string& name) {
         if (!is_finite(position)) continue;
         strokes.triangles.emplace_back(glm::uvec3(std::uint32_t(strokes.positions.size())));
         strokes.positions.push_back(position);
-        if (colors) strokes.colors.push_back(unpacked(file.word(*colors, i)));
+        if (colors) strokes.colors.push_back(unpacked_color(file.word(*colors, i)));
     }
     strokes.materials.assign(strokes.triangles.size(), 0);
     return strokes;
@@ -47,7 +47,7 @@ Scene load_pcd_without_light(const std::filesystem::path& path, Warnings& warnin
     const PcdFile file(bytes, path);
     Scene scene;
     scene.name = path.stem().string();
-    Strokes strokes = points_of(file, scene.name);
+    Strokes strokes = strokes_of_pcd(file, scene.name);
     if (strokes.triangles.empty())
         throw Error(ErrorKind::user, "'" + path.string() + "' contains no point that is finite",
                     "export the points again");

@@ -16,25 +16,25 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "binary PCD is of the byte order of little-endian machines");
 
 template <class T>
-T read(const char* bytes) {
+T bytes_as(const char* bytes) {
     T value;
     std::memcpy(&value, bytes, sizeof value);
     return value;
 }
 
-double number_at(const char* bytes, char type, std::size_t size) {
-    if (type == 'F') return size == 8 ? read<double>(bytes) : double(read<float>(bytes));
+double pcd_number(const char* bytes, char type, std::size_t size) {
+    if (type == 'F') return size == 8 ? bytes_as<double>(bytes) : double(bytes_as<float>(bytes));
     const bool is_signed = type == 'I';
     switch (size) {
-        case 1: return is_signed ? double(read<std::int8_t>(bytes)) : double(read<std::uint8_t>(bytes));
-        case 2: return is_signed ? double(read<std::int16_t>(bytes)) : double(read<std::uint16_t>(bytes));
-        case 4: return is_signed ? double(read<std::int32_t>(bytes)) : double(read<std::uint32_t>(bytes));
-        default: return is_signed ? double(read<std::int64_t>(bytes)) : double(read<std::uint64_t>(bytes));
+        case 1: return is_signed ? double(bytes_as<std::int8_t>(bytes)) : double(bytes_as<std::uint8_t>(bytes));
+        case 2: return is_signed ? double(bytes_as<std::int16_t>(bytes)) : double(bytes_as<std::uint16_t>(bytes));
+        case 4: return is_signed ? double(bytes_as<std::int32_t>(bytes)) : double(bytes_as<std::uint32_t>(bytes));
+        default: return is_signed ? double(bytes_as<std::int64_t>(bytes)) : double(bytes_as<std::uint64_t>(bytes));
     }
 }
 
 /// A value of a text, as bytes of its field: numbers that the type cannot hold become 0.
-void append(std::string& bytes, double value, const PcdField& field) {
+void append_value(std::string& bytes, double value, const PcdField& field) {
     const bool real = field.type == 'F';
     const double least = field.type == 'I' ? -std::ldexp(1.0, int(8 * field.size) - 1) : 0;
     const double beyond = std::ldexp(1.0, int(8 * field.size) - (field.type == 'I' ? 1 : 0));
@@ -51,7 +51,7 @@ void append(std::string& bytes, double value, const PcdField& field) {
     bytes.append(raw, field.size);
 }
 
-bool is_type(char type, std::size_t size) {
+bool is_pcd_type(char type, std::size_t size) {
     return type == 'F' ? size == 4 || size == 8
                        : (type == 'I' || type == 'U') && (size == 1 || size == 2 || size == 4 || size == 8);
 }
@@ -126,7 +126,7 @@ void PcdFile::read_header_line(std::string_view key, std::string_view rest) {
 
 void PcdFile::lay_out() {
     for (PcdField& field : fields_) {
-        if (!is_type(field.type, field.size))
+        if (!is_pcd_type(field.type, field.size))
             refuse("the field " + claray::quoted(field.name) + " has a type that no PCD has");
         field.offset = row_bytes_;
         row_bytes_ += field.size * field.count;
@@ -149,7 +149,7 @@ void PcdFile::read_text() {
                 const std::string_view word = next_word(line);
                 const std::optional<double> value = number_in(word);
                 if (!value) refuse(word.empty() ? "a value is missing" : quoted(word) + " is not a number");
-                append(rows_, *value, field);
+                append_value(rows_, *value, field);
             }
         ++point;
     }
@@ -164,7 +164,7 @@ void PcdFile::read_binary() {
 
 void PcdFile::read_compressed() {
     if (rest_.size() < 8) refuse("the file is cut off");
-    const std::size_t packed = read<std::uint32_t>(rest_.data()), size = read<std::uint32_t>(rest_.data() + 4);
+    const std::size_t packed = bytes_as<std::uint32_t>(rest_.data()), size = bytes_as<std::uint32_t>(rest_.data() + 4);
     rest_.remove_prefix(8);
     if (packed > rest_.size()) refuse("the file is cut off");
     if (size / row_bytes_ != points_ || size % row_bytes_ != 0)
@@ -187,11 +187,11 @@ const char* PcdFile::at(const PcdField& field, std::size_t point) const {
 }
 
 double PcdFile::value(const PcdField& field, std::size_t point) const {
-    return number_at(at(field, point), field.type, field.size);
+    return pcd_number(at(field, point), field.type, field.size);
 }
 
 std::uint32_t PcdFile::word(const PcdField& field, std::size_t point) const {
-    return field.size == 4 ? read<std::uint32_t>(at(field, point)) : 0;
+    return field.size == 4 ? bytes_as<std::uint32_t>(at(field, point)) : 0;
 }
 
 // A control byte below 32 precedes as many literals and one more. Others have the length of a copy, less 2, in their

@@ -17,9 +17,9 @@ namespace fs = std::filesystem;
 using test::expect_error;
 using test::ScopedEnvironment;
 
-const fs::path files = fs::path(CLARAY_SOURCE_DIR) / "tests/io/assimp/files";
+const fs::path foreign_files = fs::path(CLARAY_SOURCE_DIR) / "tests/io/assimp/files";
 
-void expect_near(const glm::vec3& a, const glm::vec3& b) {
+void expect_at(const glm::vec3& a, const glm::vec3& b) {
     EXPECT_LT(glm::distance(a, b), 1e-5f) << a.x << ' ' << a.y << ' ' << a.z;
 }
 
@@ -32,7 +32,7 @@ protected:
 
     /// A copy, beside which images may stand.
     [[nodiscard]] std::string copy(const std::string& name, const std::string& as) const {
-        return folder.file(as, test::read_file(files / name)).string();
+        return folder.file(as, test::read_file(foreign_files / name)).string();
     }
     [[nodiscard]] Scene load(const std::string& name, const LoadOptions& options = {}) {
         warnings.clear();
@@ -60,9 +60,9 @@ TEST_F(ByAssimp, Collada) {
     const Scene scene = load("two.dae");
     ASSERT_EQ(scene.meshes.size(), 1u);
     ASSERT_EQ(scene.instances.size(), 2u);
-    expect_near(vertex(scene, 0, 1), {0.5f, 0, 0});
-    expect_near(vertex(scene, 0, 2), {0, 0.5f, 0});
-    expect_near(vertex(scene, 1, 0), {0, 0, -3});
+    expect_at(vertex(scene, 0, 1), {0.5f, 0, 0});
+    expect_at(vertex(scene, 0, 2), {0, 0.5f, 0});
+    expect_at(vertex(scene, 1, 0), {0, 0, -3});
     EXPECT_EQ(scene.meshes[0].uvs.at(2), glm::vec2(0, 0.75f)) << "v counts from the top";
 
     const Material& paint = scene.materials.at(0);
@@ -77,15 +77,15 @@ TEST_F(ByAssimp, Collada) {
     EXPECT_FALSE(paint.cull_back);
 
     ASSERT_TRUE(scene.camera);
-    expect_near(scene.camera->position, {0, 5, 0});
-    expect_near(glm::normalize(scene.camera->target - scene.camera->position), {0, -1, 0});
+    expect_at(scene.camera->position, {0, 5, 0});
+    expect_at(glm::normalize(scene.camera->target - scene.camera->position), {0, -1, 0});
     EXPECT_NEAR(scene.camera->vertical_fov, glm::degrees(2 * std::atan(std::tan(glm::radians(30.0)) / 2)), 1e-3);
 
     ASSERT_EQ(scene.lights.size(), 1u);
     const Light& lamp = scene.lights[0];
-    expect_near(lamp.position, {0, 2, 0});
-    expect_near(lamp.intensity, std::numbers::pi_v<float> * glm::vec3(1, 0.5f, 0.25f));
-    expect_near(lamp.attenuation, {1, 4, 12});
+    expect_at(lamp.position, {0, 2, 0});
+    expect_at(lamp.intensity, std::numbers::pi_v<float> * glm::vec3(1, 0.5f, 0.25f));
+    expect_at(lamp.attenuation, {1, 4, 12});
 }
 
 TEST_F(ByAssimp, MissingImagesAreTold) {
@@ -96,8 +96,8 @@ TEST_F(ByAssimp, MissingImagesAreTold) {
 TEST_F(ByAssimp, Animations) {
     const std::string path = copy("two.dae", "moves.dae");
     EXPECT_EQ(animation_seconds(path), 2.0);
-    expect_near(vertex(load_scene(path, warnings, {.time = 1.0}), 0, 0), {1, 0, 0});
-    expect_near(vertex(load_scene(path, warnings, {.time = 9.0}), 0, 0), {2, 0, 0});
+    expect_at(vertex(load_scene(path, warnings, {.time = 1.0}), 0, 0), {1, 0, 0});
+    expect_at(vertex(load_scene(path, warnings, {.time = 9.0}), 0, 0), {2, 0, 0});
     expect_error(ErrorKind::usage, {"moves.dae", "variant"},
                  [&] { static_cast<void>(load_scene(path, warnings, {.variant = "x"})); });
 }
@@ -108,19 +108,19 @@ TEST_F(ByAssimp, Fbx) {
     EXPECT_EQ(triangle_count(scene), 4u);
     ASSERT_EQ(scene.instances.size(), 2u);
     EXPECT_EQ(scene.instances[1].name, "right");
-    expect_near(vertex(scene, 0, 0), {-3, 0, 0});
-    expect_near(vertex(scene, 1, 0), {3, 0, 0});
-    expect_near(vertex(scene, 1, 1), {3, 4, 0});
+    expect_at(vertex(scene, 0, 0), {-3, 0, 0});
+    expect_at(vertex(scene, 1, 0), {3, 0, 0});
+    expect_at(vertex(scene, 1, 1), {3, 4, 0});
     const Material& paint = scene.materials.at(0);
-    expect_near(paint.albedo, {0.8f, 0.4f, 0.2f});
-    expect_near(paint.emission, {0, 0, 3});
+    expect_at(paint.albedo, {0.8f, 0.4f, 0.2f});
+    expect_at(paint.emission, {0, 0, 3});
     EXPECT_FLOAT_EQ(paint.roughness, 0.5f);
     EXPECT_FLOAT_EQ(paint.metallic, 0.f);
 }
 
 /// 3ds Max aims cameras at a node of their own.
 TEST_F(ByAssimp, FbxCameraWithTarget) {
-    std::string text = test::read_file(files / "square.fbx");
+    std::string text = test::read_file(foreign_files / "square.fbx");
     const auto insert = [&](const std::string& before, const std::string& what) {
         text.insert(text.find(before), what);
     };
@@ -136,26 +136,26 @@ TEST_F(ByAssimp, FbxCameraWithTarget) {
     insert("\tC: \"OO\",200,0", "C: \"OO\",210,0\nC: \"OO\",211,0\nC: \"OO\",400,210\n");
     const Scene scene = load_scene(folder.file("aimed.fbx", text).string(), warnings);
     ASSERT_TRUE(scene.camera);
-    expect_near(scene.camera->position, {0, 0, 10});
-    expect_near(glm::normalize(scene.camera->target - scene.camera->position), {0, 0.8f, -0.6f});
+    expect_at(scene.camera->position, {0, 0, 10});
+    expect_at(glm::normalize(scene.camera->target - scene.camera->position), {0, 0.8f, -0.6f});
 }
 
 TEST_F(ByAssimp, Autodesk3ds) {
     const Scene scene = load("square.3ds");
     EXPECT_EQ(triangle_count(scene), 2u);
-    expect_near(scene.materials.at(0).albedo, {0.8f, 0.2f, 0.1f});
+    expect_at(scene.materials.at(0).albedo, {0.8f, 0.2f, 0.1f});
     const Bounds bounds = bounds_of(scene);
-    expect_near(bounds.lo, {0, 0, -1});
-    expect_near(bounds.hi, {1, 0, 0});
+    expect_at(bounds.lo, {0, 0, -1});
+    expect_at(bounds.hi, {1, 0, 0});
     ASSERT_EQ(scene.lights.size(), 1u);
-    expect_near(scene.lights[0].position, {0, 5, 0});
+    expect_at(scene.lights[0].position, {0, 5, 0});
 }
 
 TEST_F(ByAssimp, Off) {
     const Scene scene = load("square.off");
     EXPECT_EQ(triangle_count(scene), 3u);
-    expect_near(bounds_of(scene).lo, {0, 0, -1});
-    expect_near(bounds_of(scene).hi, {2, 2, 0});
+    expect_at(bounds_of(scene).lo, {0, 0, -1});
+    expect_at(bounds_of(scene).hi, {2, 2, 0});
 }
 
 TEST_F(ByAssimp, ContentTellsTheFormat) {
@@ -166,7 +166,7 @@ TEST_F(ByAssimp, ContentTellsTheFormat) {
 /// What is cut off is a scene or an error in one line, which names the file.
 TEST_F(ByAssimp, CutFiles) {
     for (const char* name : {"two.dae", "square.fbx", "square.3ds", "square.off"}) {
-        const std::string bytes = test::read_file(files / name);
+        const std::string bytes = test::read_file(foreign_files / name);
         expect_error(ErrorKind::user, {name}, [&] {
             static_cast<void>(load_scene(folder.file(name, bytes.substr(0, bytes.size() / 3)).string(), warnings));
         });
@@ -205,7 +205,7 @@ TEST_F(ByAssimp, ProgramWritesNonsense) {
 }
 
 TEST_F(ByAssimp, WarningsNameTheFile) {
-    const std::string glb = (folder / "good.glb").string(), bytes = test::read_file(files / "square.off");
+    const std::string glb = (folder / "good.glb").string(), bytes = test::read_file(foreign_files / "square.off");
     const std::string importer = (fs::path(this_program()).parent_path() / "claray-import").string();
     const ScopedEnvironment warns("CLARAY_IMPORT",
                                   program("echo 'left out: bump maps (2)' >&2; exec " + importer + " \"$@\""));

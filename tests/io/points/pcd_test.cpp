@@ -15,30 +15,32 @@ using test::expect_error;
 using Pcd = test::ReaderTest;
 
 /// Three points, of which one is nowhere; x, y, z and packed colours.
-struct Point {
+struct PcdPoint {
     float x, y, z;
     std::uint32_t color;
 };
-constexpr Point points[] = {{1, 2, 3, 0xff8000}, {NAN, 0, 0, 0}, {-4, 5, 0.5f, 0x0000ff}};
+constexpr PcdPoint three_points[] = {{1, 2, 3, 0xff8000}, {NAN, 0, 0, 0}, {-4, 5, 0.5f, 0x0000ff}};
 
-std::string header(const std::string& data, const std::string& color = "U") {
+std::string pcd_header(const std::string& data, const std::string& color = "U") {
     return "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F " + color +
            "\nCOUNT 1 1 1 1\nWIDTH 3\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 3\nDATA " + data + "\n";
 }
 
-std::string binary() { return header("binary") + std::string(reinterpret_cast<const char*>(points), sizeof points); }
+std::string pcd_binary() {
+    return pcd_header("binary") + std::string(reinterpret_cast<const char*>(three_points), sizeof three_points);
+}
 
-std::string word(std::uint32_t value) { return {reinterpret_cast<const char*>(&value), 4}; }
+std::string pcd_word(std::uint32_t value) { return {reinterpret_cast<const char*>(&value), 4}; }
 
 /// LZF that is all literals but for its last bytes, which repeat.
-std::string compressed() {
+std::string pcd_compressed() {
     std::string fields;
     for (std::size_t field = 0; field < 4; ++field)
-        for (const Point& point : points) fields.append(reinterpret_cast<const char*>(&point) + 4 * field, 4);
+        for (const PcdPoint& point : three_points) fields.append(reinterpret_cast<const char*>(&point) + 4 * field, 4);
     std::string packed;
     for (std::size_t at = 0; at < fields.size(); at += 16) packed += char(15), packed += fields.substr(at, 16);
-    return header("binary_compressed") + word(std::uint32_t(packed.size())) + word(std::uint32_t(fields.size())) +
-           packed;
+    return pcd_header("binary_compressed") + pcd_word(std::uint32_t(packed.size())) +
+           pcd_word(std::uint32_t(fields.size())) + packed;
 }
 
 void expect_points(const Scene& scene) {
@@ -56,22 +58,22 @@ void expect_points(const Scene& scene) {
 }
 
 TEST_F(Pcd, TextBinaryAndCompressedAreTheSame) {
-    const std::string text = header("ascii") + "1 2 3 16744448\nnan 0 0 0\n-4 5 5e-1 255\n";
-    std::string real = header("ascii", "F");
-    for (const Point& p : points) {
+    const std::string text = pcd_header("ascii") + "1 2 3 16744448\nnan 0 0 0\n-4 5 5e-1 255\n";
+    std::string real = pcd_header("ascii", "F");
+    for (const PcdPoint& p : three_points) {
         char line[100];
         std::snprintf(line, sizeof line, "%g %g %g %.9g\n", double(p.x), double(p.y), double(p.z),
                       double(std::bit_cast<float>(p.color)));
         real += line;
     }
-    for (const std::string& bytes : {text, real, binary(), compressed()})
+    for (const std::string& bytes : {text, real, pcd_binary(), pcd_compressed()})
         for (const char* name : {"a.pcd", "cloud"})
             expect_points(load_scene(folder.file(name, bytes).string(), warnings));
     EXPECT_GT(warned("spheres"), 0u);
 }
 
 TEST_F(Pcd, RadiusIsChosen) {
-    const Scene scene = load_scene(folder.file("a.pcd", binary()).string(), warnings, {.stroke_radius = 0.25f});
+    const Scene scene = load_scene(folder.file("a.pcd", pcd_binary()).string(), warnings, {.stroke_radius = 0.25f});
     EXPECT_EQ(scene.primitives.at(0).points.at(0).w, 0.25f);
 }
 
@@ -84,18 +86,18 @@ TEST_F(Pcd, WhatIsDamagedIsRefused) {
         return text.replace(text.find(from), from.size(), to);
     };
     refuse("", "empty");
-    refuse(header("ascii") + "1 2 3 4\n", "cut off after 1 points");
-    refuse(header("ascii") + "1 2 3\n1 2 3 4\n1 2 3 4\n", "line 12: a value is missing");
-    refuse(header("ascii") + "1 2 x 4\n", "'x' is not a number");
-    refuse(binary().substr(0, binary().size() - 1), "cut off");
-    refuse(changed(binary(), "POINTS 3", "POINTS 400000000000"), "cut off");
-    refuse(changed(binary(), "SIZE 4 4 4 4", "SIZE 4 4 4 3"), "type that no PCD has");
-    refuse(changed(binary(), "FIELDS x y", "FIELDS x w"), "lack x, y or z");
-    refuse(changed(binary(), "DATA binary", "DATA secret"), "unknown form 'secret'");
-    refuse(changed(binary(), "POINTS 3", "POINTS x"), "'x' is no number of POINTS");
-    refuse(compressed().substr(0, compressed().size() - 5), "cut off");
-    refuse(changed(compressed(), word(48), word(64)), "not those of 3 points");
-    refuse(header("ascii") + "nan 2 3 4\nnan 2 3 4\ninf 2 3 4\n", "no point that is finite");
+    refuse(pcd_header("ascii") + "1 2 3 4\n", "cut off after 1 points");
+    refuse(pcd_header("ascii") + "1 2 3\n1 2 3 4\n1 2 3 4\n", "line 12: a value is missing");
+    refuse(pcd_header("ascii") + "1 2 x 4\n", "'x' is not a number");
+    refuse(pcd_binary().substr(0, pcd_binary().size() - 1), "cut off");
+    refuse(changed(pcd_binary(), "POINTS 3", "POINTS 400000000000"), "cut off");
+    refuse(changed(pcd_binary(), "SIZE 4 4 4 4", "SIZE 4 4 4 3"), "type that no PCD has");
+    refuse(changed(pcd_binary(), "FIELDS x y", "FIELDS x w"), "lack x, y or z");
+    refuse(changed(pcd_binary(), "DATA binary", "DATA secret"), "unknown form 'secret'");
+    refuse(changed(pcd_binary(), "POINTS 3", "POINTS x"), "'x' is no number of POINTS");
+    refuse(pcd_compressed().substr(0, pcd_compressed().size() - 5), "cut off");
+    refuse(changed(pcd_compressed(), pcd_word(48), pcd_word(64)), "not those of 3 points");
+    refuse(pcd_header("ascii") + "nan 2 3 4\nnan 2 3 4\ninf 2 3 4\n", "no point that is finite");
 }
 
 TEST(Lzf, CopiesAndLimits) {
