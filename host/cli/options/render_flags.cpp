@@ -7,6 +7,8 @@
 #include "host/cli/options/light_options.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/options/render_targets.hpp"
+#include "host/cli/picture/alpha.hpp"
+#include "host/cli/picture/lens_options.hpp"
 
 namespace claray::cli {
 namespace {
@@ -42,7 +44,9 @@ void add_image_options(CLI::App& command, RenderOptions& o) {
     add_size_option(command, o.config.width, o.config.height, "WIDTHxHEIGHT in pixels [512x512]");
     command.add_option("--light-map", o.light_maps,
                        "MESH=FILE: light map of a mesh, from claray bake; may be repeated");
+    add_alpha_options(command, o);
     add_exposure_option(command, o);
+    add_exposure_options(command, o);
     const std::vector<std::pair<std::string, ToneMap>> tone_maps = {{"none", ToneMap::none}, {"aces", ToneMap::aces}};
     command.add_option("--tone-map", o.tone_map, "Tone map of a PNG: none (clamp) or aces (filmic) [aces]")
         ->transform(choice_of(tone_maps))
@@ -62,11 +66,16 @@ void add_image_options(CLI::App& command, RenderOptions& o) {
         names.emplace_back(row.name);
         meanings += std::string("\n") + row.name + ": " + row.meaning;
     }
-    names.insert(names.end(), {"error", "gbuffer", "voxels"});
+    for (const MatteRow& row : matte_rows) {
+        names.emplace_back(row.name);
+        meanings += std::string("\n") + row.name + ": Cryptomatte of " + row.meaning + ", in an .exr";
+    }
+    names.insert(names.end(), {"lobes", "error", "gbuffer", "voxels"});
     command
         .add_option(
             "--aov", o.aovs,
             "Also write OUTPUT.NAME.png and .pfm, or layers of an .exr:" + meanings +
+                "\nlobes: light by how the first surface sends it to the camera, lobe_NAME each (see docs/formats.md)"
                 "\nerror: half the width of each pixel's interval of luminance, which holds the truth in 19 of 20\n"
                 "  pixels (see docs/accuracy.md)"
                 "\ngbuffer: packed as deferred renderers keep it, .raw and a picture of each part "
@@ -75,6 +84,11 @@ void add_image_options(CLI::App& command, RenderOptions& o) {
         ->take_all()
         ->delimiter(',')
         ->check(name_among(names));
+    command
+        .add_option("--light-group", o.config.light_groups,
+                    "NAME=LIGHT,LIGHT: also write the light of these as light_NAME, by the names of lights and of\n"
+                    "emissive materials, light:N, material:N or sky; may be repeated. light_rest has all other light")
+        ->type_name("GROUP");
 }
 
 void add_quality_options(CLI::App& command, RenderOptions& o) {
