@@ -9,6 +9,7 @@
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/output/outputs.hpp"
 #include "host/io/y4m.hpp"
+#include "host/render/layers/light_layers.hpp"
 
 namespace claray::cli {
 namespace {
@@ -130,8 +131,13 @@ bool is_of_bytes(const std::filesystem::path& output) {
     return is_video(output) || extension == ".png";
 }
 
+const MatteRow* matte_named(const std::string& aov) {
+    const auto row = std::find_if(std::begin(matte_rows), std::end(matte_rows), [&](auto& r) { return aov == r.name; });
+    return row == std::end(matte_rows) ? nullptr : row;
+}
+
 bool is_layer(const std::filesystem::path& output, const std::string& aov) {
-    return output.extension() == ".exr" && aov != "error" && aov != "gbuffer" && aov != "voxels";
+    return output.extension() == ".exr" && aov != "lobes" && aov != "error" && aov != "gbuffer" && aov != "voxels";
 }
 
 void use_light_maps(Scene& scene, const std::vector<std::string>& light_maps) {
@@ -159,8 +165,16 @@ std::vector<NamedFile> outputs_of(const RenderOptions& options) {
         {"--output", is_video(options.output) ? video_file(options.output) : options.output},
         {"--checkpoint", options.config.checkpoint},
         {"--trace", options.trace}};
+    if (options.output.extension() != ".exr")
+        for (const std::string& name : names_of_light_layers(options.config)) {
+            const auto [picture, raw] = aov_paths(options.output, name);
+            outputs.push_back({"--aov " + name, picture}), outputs.push_back({"--aov " + name, raw});
+        }
     for (const std::string& name : options.aovs) {
-        if (is_layer(options.output, name)) continue;
+        if (is_layer(options.output, name) || name == "lobes") continue;
+        if (matte_named(name))
+            throw Error(ErrorKind::usage, "--aov " + name + ": '" + options.output.string() + "' cannot hold it",
+                        "use -o NAME.exr: only its layers hold ids");
         const auto [picture, raw] = aov_paths(options.output, name);
         if (name == "gbuffer")
             for (const char* view : gbuffer_views)
