@@ -18,7 +18,7 @@ void check_region(const RenderConfig& config) {
     };
     if (!within(region.x, region.width, config.width) || !within(region.y, region.height, config.height))
         throw Error(ErrorKind::usage,
-                    "the region " + std::to_string(region.width) + "x" + std::to_string(region.height) + " at " +
+                    "region: " + std::to_string(region.width) + "x" + std::to_string(region.height) + " at " +
                         std::to_string(region.x) + "," + std::to_string(region.y) + " is not within the image of " +
                         std::to_string(config.width) + "x" + std::to_string(config.height) + " pixels",
                     "give its left, top, width and height in pixels");
