@@ -175,9 +175,10 @@ def test_cameras_have_all_projections_and_move():
 def test_cameras_have_lenses():
     scene = lit(kind="unlit")
     scene.add_mesh(*QUAD)
+    scene.sky = 0, 0, 0
     scene.camera = claray.Camera(position=(0, 0, 2), target=(0, 0, 0), projection="fisheye", vertical_fov=180)
     assert 0 < seen(scene, 16).mean() < 1
-    scene.camera = claray.Camera(position=(0, 0, 2), target=(0, 0, 0), stereo="side-by-side", eye_distance=1)
+    scene.camera = claray.Camera(position=(0, 0, 9), target=(0, 0, -9), stereo="side-by-side", eye_distance=1)
     assert scene.camera.stereo == "side-by-side" and scene.camera.eye_distance == 1
     left, right = np.split(claray.render(scene, width=32, height=16, spp=4), 2, axis=1)
     assert (left != right).any() and abs(left.mean() - right.mean()) < 0.05

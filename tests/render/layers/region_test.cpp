@@ -43,7 +43,7 @@ TEST(Regions, HaveTheBitsOfTheWholeImage) {
 /// Guided paths learn from the whole image.
 TEST(Regions, AreGuidedAsTheWholeImage) {
     if (device().info().type != DeviceType::cpu) GTEST_SKIP() << "paths are guided on CPUs only";
-    const ScopedTuning gain("render/path_guide", "LEAST_GAIN_PERCENT", 0);
+    const ScopedTuning gain("render/path_guide", "LEAST_GAIN_PERCENT", 1);
     const RenderConfig config{.width = 160, .height = 112, .spp = 20};
     const Scene scene = *builtin_scene("cornell");
     Renderer whole(device(), scene, config);
