@@ -54,7 +54,8 @@ TEST_F(PictureOptions, RegionIsAPartOfTheImage) {
 }
 
 TEST_F(PictureOptions, AlphaIsStraightInAPngAndPremultipliedInAnExr) {
-    const std::vector<std::string> options = {"--alpha", "--sky", "0.4", "--exposure", "0", "--tone-map", "none"};
+    const std::vector<std::string> options = {"--alpha", "--sky",      "0.4,0.4,0.4", "--exposure",
+                                              "0",       "--tone-map", "none"};
     const Texture png = rendered("ball:500", "a.png", options);
     const Texture multiplied =
         rendered("ball:500", "b.png", with({"--alpha=premultiplied"}, {options.begin() + 1, options.end()}));
@@ -86,8 +87,9 @@ TEST_F(PictureOptions, RolesOfMaterials) {
     for (unsigned i = 0; i < 48 * 32; ++i) cut += held.bytes[4 * i + 3] == 0;
     EXPECT_GT(cut, 100u);
     EXPECT_LT(cut, 48u * 32);
-    const Texture shadow = rendered("ball:500", "shadow.png",
-                                    {"--shadow-catcher", "plane", "--light", "directional:0,-1,0:3", "--spp", "16"});
+    const Texture shadow =
+        rendered("ball:500", "shadow.png",
+                 {"--shadow-catcher", "plane", "--light", "directional,direction=0,-1,0,intensity=3", "--spp", "16"});
     unsigned partly = 0;
     for (unsigned i = 0; i < 48 * 32; ++i) partly += shadow.bytes[4 * i + 3] > 20 && shadow.bytes[4 * i + 3] < 250;
     EXPECT_GT(partly, 20u);
