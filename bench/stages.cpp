@@ -138,6 +138,29 @@ Task render(const Device& device, const std::string& name, unsigned side, Layout
     };
 }
 
+/// An image with alpha, and a shadow catcher.
+Task with_alpha(const Device& device, unsigned side) {
+    Scene scene = *builtin_scene("cornell");
+    scene.materials[0].role = MaterialRole::shadow_catcher;
+    const RenderConfig config{.width = side, .height = side, .spp = 4, .alpha = true};
+    auto renderer = std::make_shared<Renderer>(device, scene, config);
+    return [renderer] {
+        renderer->restart(0);
+        (void)renderer->render();
+        (void)renderer->alpha();
+    };
+}
+
+/// Layers of light.
+Task layers(const Device& device, unsigned side, Layout layout) {
+    RenderConfig config{.width = side, .height = side, .spp = 16, .lobes = true};
+    config.bvh.layout = layout;
+    return [renderer = std::make_shared<Renderer>(device, *builtin_scene("crate"), config)] {
+        renderer->restart(0);
+        (void)renderer->render();
+    };
+}
+
 /// Deferred shading: sums over tiles, and the G-buffer.
 Task deferred(const Device& device, unsigned side) {
     Scene scene = *builtin_scene("spheres");
@@ -191,7 +214,9 @@ std::vector<Task> tasks_of(const Device& device, const Options& options, Layout 
             tasks.push_back(render(device, scene, options.side, layout, whole_paths));
     tasks.push_back(render(device, "crate", options.side, layout, false, 4));
     tasks.push_back(render(device, "cornell", options.side, layout, false, 1, 32));  // enough to guide paths
+    tasks.push_back(layers(device, options.side, layout));
     tasks.push_back(deferred(device, options.side));
+    tasks.push_back(with_alpha(device, options.side));
     tasks.push_back(bake(device));
     for (const Task& task : light_grids(device)) tasks.push_back(task);
     return tasks;

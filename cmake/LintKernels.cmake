@@ -181,3 +181,13 @@ foreach(sixteen 0 1)
         endif()
     endforeach()
 endforeach()
+
+# Layers of light cost nothing where they are not asked for: without LIGHT_LAYERS the text is what it is without the lines about them.
+set(preprocess "${CLANG}" -x cl -cl-std=CL1.2 -E -P -Iinclude -Ikernels -DCLARAY_CPU=1 ${macros})
+execute_process(COMMAND ${preprocess} kernels/render/shade_surface.cl WORKING_DIRECTORY "${SOURCE_DIR}" OUTPUT_VARIABLE text RESULT_VARIABLE status)
+execute_process(COMMAND sed -e "/light_layers.clh/d" -e "s/^#if LIGHT_LAYERS/#if 0/" kernels/render/shade_surface.cl
+                COMMAND ${preprocess} - WORKING_DIRECTORY "${SOURCE_DIR}" OUTPUT_VARIABLE plain)
+execute_process(COMMAND ${preprocess} -DLIGHT_LAYERS=1 kernels/render/shade_surface.cl WORKING_DIRECTORY "${SOURCE_DIR}" OUTPUT_VARIABLE split)
+if(NOT status EQUAL 0 OR NOT text STREQUAL plain OR text STREQUAL split)
+    message(SEND_ERROR "layers of light change shade_surface.cl where they are not asked for: put them behind LIGHT_LAYERS")
+endif()

@@ -755,6 +755,12 @@ typedef enum claray_alpha_test {
     CLARAY_ALPHA_EQUAL = 4,
     CLARAY_ALPHA_NOT_EQUAL = 5
 } claray_alpha_test;
+/* What a camera ray that meets the surface first adds to an image with alpha (claray_render_config). */
+typedef enum claray_material_role {
+    CLARAY_ROLE_SURFACE = 0,       /* its light, and an alpha of 1 */
+    CLARAY_ROLE_HOLDOUT = 1,       /* nothing */
+    CLARAY_ROLE_SHADOW_CATCHER = 2 /* only what the other surfaces change of its light */
+} claray_material_role;
 
 /* Colours are linear Rec. 709. A map multiplies the value of its name. docs/effects.md says what the kinds read. */
 typedef struct claray_material {
@@ -813,7 +819,8 @@ typedef struct claray_material {
     uint32_t custom;              /* of the kind "custom": the number from claray_add_bsdf */
     const float* parameters;      /* of the kind "custom": what its source reads */
     size_t parameter_count;
-    float shininess; /* blinn-phong: exponent of the highlight */
+    float shininess;           /* blinn-phong: exponent of the highlight */
+    claray_material_role role; /* in images with alpha */
 } claray_material;
 /* A new material: diffuse, grey, without maps. */
 CLARAY_API claray_status claray_material_init(claray_material* material);
@@ -865,19 +872,30 @@ typedef struct claray_sky {
 CLARAY_API claray_status claray_scene_sky_set(claray_scene* scene, const claray_sky* sky);
 CLARAY_API claray_status claray_scene_sky_get(const claray_scene* scene, claray_sky* sky);
 
+/* The images of two eyes in one image. */
+typedef enum claray_stereo {
+    CLARAY_STEREO_NONE = 0,
+    CLARAY_STEREO_SIDE_BY_SIDE = 1, /* the left eye's is the left half */
+    CLARAY_STEREO_TOP_BOTTOM = 2    /* the left eye's is the upper half */
+} claray_stereo;
+
 typedef struct claray_camera {
     size_t struct_size;
-    const char* projection; /* "perspective", "orthographic" or "panorama" */
+    const char* projection; /* a name of the list projections (claray_names_create) */
     float position[3];
     float target[3];
     float up[3];
-    float vertical_fov;                   /* degrees; perspective */
+    float vertical_fov;                   /* degrees; perspective and fisheyes */
     float aperture_radius;                /* of a thin lens; 0: a pinhole */
     float focus_distance;                 /* of the sharp plane; 0: that of the target */
     float orthographic_height;            /* of the image in units of the scene; orthographic */
     int32_t moves_position, moves_target; /* while the shutter is open, to: */
     float position_end[3];
     float target_end[3];
+    float shift[2]; /* of a perspective lens, in parts of the image's width and height */
+    float tilt[2];  /* degrees by which the sharp plane is turned: its top goes away, its right goes away */
+    claray_stereo stereo;
+    float eye_distance; /* in units of the scene */
 } claray_camera;
 /* A new camera: at (0, 0, 5), towards the origin, 40 degrees. */
 CLARAY_API claray_status claray_camera_init(claray_camera* camera);
@@ -1138,6 +1156,10 @@ struct claray_render_config {
     const char* checkpoint;    /* NULL, or a file that is written periodically, to resume from */
     double checkpoint_seconds; /* 0: 30 */
     const char* resume;        /* NULL, or a checkpoint from which to continue */
+    uint32_t region[4];        /* left, top, width and height of the pixels that are rendered; width 0: all */
+    int32_t alpha;             /* the background is transparent (claray_renderer_alpha) */
+    int32_t lobes;             /* layers of the light: "lobe_diffuse_direct" and so on (claray_renderer_layer) */
+    const char* light_groups;  /* NULL, or groups of lights, each a layer "light_NAME": "key=lamp,light:3;air=sky" */
 };
 
 typedef struct claray_progress {
@@ -1199,6 +1221,9 @@ CLARAY_API claray_status claray_renderer_cut_off(const claray_renderer* renderer
 /* The mean linear radiance: 3 floats for each pixel, row by row from the top left. count: floats in rgb, 3 width
  * height. */
 CLARAY_API claray_status claray_renderer_image(claray_renderer* renderer, float* rgb, size_t count);
+/* The alpha of each pixel, by which the image is premultiplied; 1 without claray_render_config::alpha. count: floats in
+ * alpha, width * height. Of a region, width and height are the region's. */
+CLARAY_API claray_status claray_renderer_alpha(const claray_renderer* renderer, float* alpha, size_t count);
 /* The same in another size, without a copy; 0: as rendered. Valid until the next image of the renderer. */
 CLARAY_API claray_status claray_renderer_radiance(const claray_renderer* renderer, uint32_t width, uint32_t height,
                                                   const float** rgb);
@@ -1225,10 +1250,37 @@ typedef struct claray_layer_info {
     const char* letters; /* of the channels in an EXR */
 } claray_layer_info;
 /* What a layer holds. Its name: "noise" or "error" (per pixel), "voxels" (of the light grid), or one of the first
- * surface at each pixel's centre: "depth", "normal", "albedo", "primitive", "material", "heat". */
+ * surface at each pixel's centre, such as "depth" or "motion". claray_names_create lists these. Also "lobe_NAME" and
+ * "light_NAME" of renders that keep layers of light (claray_render_config). */
 CLARAY_API claray_status claray_layer_get(const char* name, claray_layer_info* info);
 /* A layer, row by row from the top left. count: width * height * channels elements of 4 bytes. Blocks. */
 CLARAY_API claray_status claray_renderer_layer(claray_renderer* renderer, const char* name, void* values, size_t count);
+
+/* What a Cryptomatte tells apart. */
+typedef enum claray_matte {
+    CLARAY_MATTE_OBJECT = 0,   /* instances by their names; without instances meshes and sets of primitives */
+    CLARAY_MATTE_MATERIAL = 1, /* materials */
+    CLARAY_MATTE_ASSET = 2     /* meshes: all instances of a mesh are one */
+} claray_matte;
+typedef struct claray_cryptomatte claray_cryptomatte;
+typedef struct claray_cryptomatte_info {
+    size_t struct_size;
+    const char* name;     /* of the layer */
+    uint32_t ranks;       /* surfaces of each pixel, an even number */
+    const float* parts;   /* id and coverage of `ranks` surfaces of each pixel, the largest first */
+    size_t part_count;    /* width * height * ranks; each has two floats */
+    const char* manifest; /* JSON: names, and their hashes in hexadecimal */
+} claray_cryptomatte_info;
+/* Which surfaces each pixel shows, by so many of its camera rays. Psyop's specification 1.2.0. Blocks. */
+CLARAY_API claray_status claray_cryptomatte_create(const claray_renderer* renderer, claray_matte kind, uint32_t samples,
+                                                   claray_cryptomatte** matte);
+/* Valid while the handle is. */
+CLARAY_API claray_status claray_cryptomatte_get(const claray_cryptomatte* matte, claray_cryptomatte_info* info);
+CLARAY_API void claray_cryptomatte_release(claray_cryptomatte* matte);
+/* The hash of a name, MurmurHash3_32, and its id as pixels hold it. */
+CLARAY_API uint32_t claray_matte_hash(const char* name);
+CLARAY_API float claray_matte_id(uint32_t hash);
+
 /* Estimates the error of an image of this render, as claray_image_error::rmse; 0 if it is too small to tell. */
 CLARAY_API claray_status claray_renderer_error_of(claray_renderer* renderer, const float* rgb, size_t count,
                                                   double* error);
@@ -1337,6 +1389,10 @@ typedef struct claray_exr_layer {
 } claray_exr_layer;
 CLARAY_API claray_status claray_write_exr(const char* path, uint32_t width, uint32_t height,
                                           const claray_exr_layer* layers, size_t count);
+/* The same with Cryptomattes of that size. */
+CLARAY_API claray_status claray_write_exr_with_mattes(const char* path, uint32_t width, uint32_t height,
+                                                      const claray_exr_layer* layers, size_t count,
+                                                      const claray_cryptomatte* const* mattes, size_t matte_count);
 /* Perceptually uniform colours from the least to the largest finite value; others are black. rgb: 3 count floats. */
 CLARAY_API claray_status claray_false_color(const float* values, size_t count, float* rgb);
 /* A colour for each number; CLARAY_MISS is black. rgb: 3 count floats. */

@@ -40,8 +40,12 @@ CLARAY_ENUM(claray_wrap, std::array{Wrap::repeat, Wrap::mirror, Wrap::clamp})
 CLARAY_ENUM(claray_texture_filter,
             std::array{Filter::trilinear, Filter::nearest, Filter::bilinear, Filter::nearest_level})
 CLARAY_ENUM(claray_alpha_mode, std::array{AlphaMode::opaque, AlphaMode::mask, AlphaMode::blend})
+CLARAY_ENUM(claray_material_role,
+            std::array{MaterialRole::surface, MaterialRole::holdout, MaterialRole::shadow_catcher})
+CLARAY_ENUM(claray_stereo, std::array{Stereo::none, Stereo::side_by_side, Stereo::top_bottom})
 CLARAY_ENUM(claray_alpha_test, std::array{AlphaTest::greater_equal, AlphaTest::greater, AlphaTest::less,
                                           AlphaTest::less_equal, AlphaTest::equal, AlphaTest::not_equal})
+CLARAY_ENUM(claray_matte, std::array{MatteKind::object, MatteKind::material, MatteKind::asset})
 CLARAY_ENUM(claray_normal_packing, std::array{NormalPacking::octahedral, NormalPacking::spherical})
 CLARAY_ENUM(claray_lens_kind, std::array{LensKind::pinhole, LensKind::equidistant})
 CLARAY_ENUM(claray_return_order, std::array{ReturnOrder::strongest, ReturnOrder::first, ReturnOrder::last})
@@ -112,7 +116,7 @@ void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
         CLARAY_PAIR(anisotropy_rotation), CLARAY_PAIR(iridescence), CLARAY_PAIR(iridescence_ior),
         CLARAY_PAIR(film_thickness), CLARAY_PAIR(attenuation), CLARAY_PAIR(attenuation_distance), CLARAY_PAIR(opacity),
         CLARAY_PAIR(alpha_mode), CLARAY_PAIR(alpha_cutoff), CLARAY_PAIR(alpha_test), CLARAY_PAIR(cull_back),
-        CLARAY_PAIR(albedo_map), CLARAY_PAIR(emission_map), CLARAY_PAIR(metallic_roughness_map),
+        CLARAY_PAIR(role), CLARAY_PAIR(albedo_map), CLARAY_PAIR(emission_map), CLARAY_PAIR(metallic_roughness_map),
         CLARAY_PAIR(transmission_map), CLARAY_PAIR(clearcoat_map), CLARAY_PAIR(clearcoat_roughness_map),
         CLARAY_PAIR(clearcoat_normal_map), CLARAY_PAIR(clearcoat_normal_scale), CLARAY_PAIR(specular_map),
         CLARAY_PAIR(specular_weight_map), CLARAY_PAIR(shininess_map), CLARAY_PAIR(sheen_map),
@@ -141,7 +145,8 @@ void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
 template <class C, IsOf<Camera> Cpp, class Visit>
 void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
     CLARAY_PAIR(projection), CLARAY_PAIR(position), CLARAY_PAIR(target), CLARAY_PAIR(up), CLARAY_PAIR(vertical_fov),
-        CLARAY_PAIR(aperture_radius), CLARAY_PAIR(focus_distance), CLARAY_PAIR(orthographic_height);
+        CLARAY_PAIR(aperture_radius), CLARAY_PAIR(focus_distance), CLARAY_PAIR(orthographic_height), CLARAY_PAIR(shift),
+        CLARAY_PAIR(tilt), CLARAY_PAIR(stereo), CLARAY_PAIR(eye_distance);
 }
 
 template <class C, IsOf<Texture> Cpp, class Visit>
@@ -166,7 +171,8 @@ void visit_pairs(C&& c, Cpp& cpp, const Visit& visit) {
     CLARAY_PAIR(width), CLARAY_PAIR(height), CLARAY_PAIR(spp), CLARAY_PAIR(max_depth), CLARAY_PAIR(seed),
         CLARAY_PAIR(seconds), CLARAY_PAIR(noise), CLARAY_PAIR(error), CLARAY_PAIR(sample_clamp), CLARAY_PAIR(adaptive),
         CLARAY_PAIR(sampler), CLARAY_PAIR(report_seconds), CLARAY_PAIR(parts), CLARAY_PAIR(compiler),
-        CLARAY_PAIR(checkpoint), CLARAY_PAIR(checkpoint_seconds), CLARAY_PAIR(resume);
+        CLARAY_PAIR(checkpoint), CLARAY_PAIR(checkpoint_seconds), CLARAY_PAIR(resume), CLARAY_PAIR(alpha),
+        CLARAY_PAIR(lobes);
 }
 
 template <class C, IsOf<LightMapConfig> Cpp, class Visit>

@@ -29,6 +29,13 @@ SceneChanges changes_of(std::uint32_t bits) {
     return changes;
 }
 
+std::vector<std::string> parts_of(const std::string& text, char at) {
+    std::vector<std::string> parts;
+    for (std::size_t begin = 0; begin <= text.size(); begin += parts.back().size() + 1)
+        parts.push_back(text.substr(begin, text.find(at, begin) - begin));
+    return parts;
+}
+
 /// Calls `use` with the renderer of the handle.
 template <class Use>
 claray_status with_renderer(claray_renderer* renderer, const Use& use) {
@@ -44,9 +51,11 @@ RenderConfig render_config_of(const claray_render_config* given) {
     RenderConfig config;
     visit_pairs(known, config, TakeGiven{"config"});
     config.guide = known.no_guide == 0;
+    config.region = {known.region[0], known.region[1], known.region[2], known.region[3]};
     if (known.bvh) config.bvh = config_of(known.bvh);
     if (known.effects) config.effects = parse_effect_overrides(known.effects);
     if (known.approximate) config.approximate = parse_approximations(known.approximate);
+    if (known.light_groups) config.light_groups = parts_of(known.light_groups, ';');
     if (known.light_grid)
         visit_pairs(versioned(known.light_grid, "light_grid"), config.light_grid, TakeGiven{"light_grid"});
     return config;
@@ -55,6 +64,9 @@ RenderConfig render_config_of(const claray_render_config* given) {
 claray_render_config render_config_of(const RenderConfig& config, ConfigTexts& texts) {
     auto known = put_into<claray_render_config>(config);
     known.no_guide = config.guide ? 0 : 1;
+    const Region& region = config.region;
+    known.region[0] = region.x, known.region[1] = region.y;
+    known.region[2] = region.width, known.region[3] = region.height;
     texts.bvh = config_of(config.bvh), known.bvh = &texts.bvh;
     texts.light_grid = put_into<claray_light_grid_config>(config.light_grid), known.light_grid = &texts.light_grid;
     texts.light_grid.struct_size = sizeof texts.light_grid;
@@ -67,6 +79,9 @@ claray_render_config render_config_of(const RenderConfig& config, ConfigTexts& t
         texts.approximate = to_string(config.approximate);
         known.approximate = texts.approximate.c_str();
     }
+    for (const std::string& group : config.light_groups)
+        texts.light_groups += (texts.light_groups.empty() ? "" : ";") + group;
+    if (!texts.light_groups.empty()) known.light_groups = texts.light_groups.c_str();
     return known;
 }
 
@@ -88,8 +103,8 @@ claray_status claray_renderer_create(claray_device* device, const claray_scene* 
         const RenderConfig known = render_config_of(config);
         hand_out(renderer, "renderer", [&] {
             return new claray_renderer{
-                known.width,
-                known.height,
+                known.image_width(),
+                known.image_height(),
                 Renderer(required(device, "device").device, required(scene, "scene").scene, known),
                 {},
                 {},

@@ -33,7 +33,7 @@ namespace claray::capi {
 struct ConfigTexts {
     claray_bvh_config bvh;
     claray_light_grid_config light_grid;
-    std::string effects, approximate;
+    std::string effects, approximate, light_groups;
 };
 /// The same in C; `config` and `texts` must outlive it.
 [[nodiscard]] claray_render_config render_config_of(const RenderConfig& config, ConfigTexts& texts);

@@ -1,4 +1,5 @@
 // claray.h: what renderers give, pictures, and image files.
+#include "claray/cryptomatte.hpp"
 #include "claray/image/image_error.hpp"
 #include "claray/io.hpp"
 #include "host/capi/members.hpp"
@@ -6,6 +7,11 @@
 
 using namespace claray;
 using namespace claray::capi;
+
+struct claray_cryptomatte {
+    Cryptomatte matte;
+    ImageAttributes attributes;
+};
 
 namespace {
 
@@ -26,6 +32,8 @@ claray_layer_info info_of(const std::string& name) {
             const bool integer = row.kind == AovKind::identifier || row.kind == AovKind::count;
             return {0, row.meaning, std::uint32_t(std::strlen(row.letters)), integer ? 1 : 0, row.letters};
         }
+    if (name.starts_with("lobe_")) return {0, "light by how the first surface sends it to the camera", 3, 0, "RGB"};
+    if (name.starts_with("light_")) return {0, "light of a group of lights", 3, 0, "RGB"};
     if (name == "noise") return {0, "variance of the mean luminance, over the square of the image's mean", 1, 0, "Y"};
     if (name == "error") return {0, "half the width of the interval that holds the luminance", 1, 0, "Y"};
     if (name == "voxels") return {0, "albedo of the surface in the voxel", 3, 0, "RGB"};
@@ -43,6 +51,11 @@ void fill_layer(Renderer& renderer, const std::string& name, void* values, std::
     if (name == "noise") return copy_layer(renderer.noise_map(), values, count);
     if (name == "error") return copy_layer(renderer.error_map(), values, count);
     if (name == "voxels") return copy_layer(renderer.voxels(), values, count);
+    if (name.starts_with("lobe_") || name.starts_with("light_")) {
+        for (const LightLayer& layer : renderer.light_layers())
+            if (name == layer.name) return copy_layer(layer.pixels, values, count);
+        refuse("name is '" + name + "', which the render does not keep", "see lobes and light_groups");
+    }
     const Aovs aovs = renderer.aovs();
     for_each_aov(aovs, [&](const AovRow& row, const auto& pixels) {
         if (name == row.name) copy_layer(pixels, values, count);
@@ -85,6 +98,15 @@ claray_status claray_renderer_image(claray_renderer* renderer, float* rgb, size_
     return guarded([&] {
         const claray_renderer& used = required(renderer, "renderer");
         used.renderer.image(image_room(used, rgb, count));
+    });
+}
+
+claray_status claray_renderer_alpha(const claray_renderer* renderer, float* alpha, size_t count) {
+    return guarded([&] {
+        const claray_renderer& used = required(renderer, "renderer");
+        const std::span<float> place = room(alpha, count, pixel_count(used), "the alpha");
+        const std::vector<float> values = used.renderer.alpha();
+        std::copy(values.begin(), values.end(), place.begin());
     });
 }
 
@@ -214,8 +236,38 @@ claray_status claray_write_pfm(const char* path, const float* values, uint32_t w
     });
 }
 
+claray_status claray_cryptomatte_create(const claray_renderer* renderer, claray_matte kind, uint32_t samples,
+                                        claray_cryptomatte** matte) {
+    return guarded([&] {
+        hand_out(matte, "matte", [&] {
+            Cryptomatte made = cryptomatte(required(renderer, "renderer").renderer, enumerator(kind, "kind"), samples);
+            ImageAttributes attributes = attributes_of(made);
+            return new claray_cryptomatte{std::move(made), std::move(attributes)};
+        });
+    });
+}
+claray_status claray_cryptomatte_get(const claray_cryptomatte* matte, claray_cryptomatte_info* info) {
+    return guarded([&] {
+        const claray_cryptomatte& of = required(matte, "matte");
+        const Cryptomatte& made = of.matte;
+        give(info,
+             {0, made.name.c_str(), made.ranks, &made.parts[0].id, made.parts.size(),
+              of.attributes.back().second.c_str()},
+             "info");
+    });
+}
+void claray_cryptomatte_release(claray_cryptomatte* matte) { delete matte; }
+uint32_t claray_matte_hash(const char* name) { return name ? matte_hash(name) : 0; }
+float claray_matte_id(uint32_t hash) { return matte_id(hash); }
+
 claray_status claray_write_exr(const char* path, uint32_t width, uint32_t height, const claray_exr_layer* layers,
                                size_t count) {
+    return claray_write_exr_with_mattes(path, width, height, layers, count, nullptr, 0);
+}
+
+claray_status claray_write_exr_with_mattes(const char* path, uint32_t width, uint32_t height,
+                                           const claray_exr_layer* layers, size_t count,
+                                           const claray_cryptomatte* const* mattes, size_t matte_count) {
     return guarded([&] {
         std::vector<ImageLayer> all;
         for (const claray_exr_layer& given : array(layers, count, "layers")) {
@@ -227,7 +279,13 @@ claray_status claray_write_exr(const char* path, uint32_t width, uint32_t height
             if (given.values) layer.values = copied<float>(given.values, elements, "layers: values");
             if (given.numbers) layer.numbers = copied<std::uint32_t>(given.numbers, elements, "layers: numbers");
         }
-        write_exr(&required(path, "path"), width, height, all);
+        ImageAttributes attributes;
+        for (const claray_cryptomatte* given : array(mattes, matte_count, "mattes")) {
+            const claray_cryptomatte& matte = required(given, "mattes");
+            for (ImageLayer& layer : layers_of(matte.matte)) all.push_back(std::move(layer));
+            attributes.insert(attributes.end(), matte.attributes.begin(), matte.attributes.end());
+        }
+        write_exr(&required(path, "path"), width, height, all, attributes);
     });
 }
 

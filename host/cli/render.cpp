@@ -20,6 +20,8 @@
 #include "host/cli/output/messages.hpp"
 #include "host/cli/output/progress.hpp"
 #include "host/cli/output/render_outputs.hpp"
+#include "host/cli/picture/alpha.hpp"
+#include "host/cli/picture/lens_options.hpp"
 #include "host/cli/ranks.hpp"
 
 namespace claray::cli {
@@ -28,6 +30,7 @@ namespace {
 Scene load_for(const RenderOptions& options, FirstFrame* first = nullptr) {
     Scene scene = load_view(options.scene, options.view, options.config.width, options.config.height, first);
     use_light_maps(scene, options.light_maps);
+    give_roles(scene, options);
     return scene;
 }
 
@@ -191,7 +194,7 @@ bool render_picture(const PictureJob& job, const Scene& scene, RenderOptions opt
 
 RenderOptions options_of_frame(RenderOptions options, unsigned frame) {
     if (!is_stream(options)) options.output = numbered(options.output, frame);
-    options.view.load.time = frame / options.frame_rate;
+    if (options.turntable == 0) options.view.load.time = frame / options.frame_rate;
     return options;
 }
 
@@ -211,7 +214,10 @@ public:
     /// The first call must be for the first frame.
     [[nodiscard]] Scene load(unsigned frame) {
         const std::lock_guard lock(loading_);
-        return load_for(options_of_frame(options_, frame), &first_);
+        Scene scene = load_for(options_of_frame(options_, frame), &first_);
+        if (options_.turntable > 0)
+            scene.camera = orbited(camera_of(scene), 360.f * float(frame) / float(options_.turntable));
+        return scene;
     }
     /// Returns false if it was interrupted. The device keeps the kernels of one frame for the others.
     bool render(unsigned frame, const Scene& scene, ranks::Ranks* helpers) {
@@ -227,7 +233,7 @@ public:
     }
     /// Whether another rank's frame is what it was asked for: files of this frame, or pixels of a stream.
     [[nodiscard]] bool fits(const ranks::RenderedFrame& rendered) const {
-        const std::size_t pixels = std::size_t(options_.config.width) * options_.config.height;
+        const std::size_t pixels = std::size_t(options_.config.image_width()) * options_.config.image_height();
         const bool has_image = !stream_ || !rendered.failure.text.empty() || rendered.pixels.size() == pixels;
         const std::string stem = options_of_frame(options_, rendered.frame).output.stem().string();
         return has_image &&
@@ -346,6 +352,9 @@ void refuse_several(const std::vector<Device>& devices, const RenderOptions& opt
         throw Error(ErrorKind::usage, std::string(option) + " works on one device only", remedy);
     };
     if (options.fps > 0) refuse("--fps", "name one with --device, without mpirun");
+    if (options.config.region.width > 0 && !options.animation)
+        refuse("--region", "name one with --device, without mpirun");
+    if (options.config.alpha) refuse("--alpha", "name one with --device, without mpirun");
     if (options.config.adaptive)
         refuse("--adaptive", "name one with --device, without mpirun, or leave out --adaptive");
     if (options.auto_exposure && options.animation && rank_session() != nullptr)
@@ -412,6 +421,8 @@ void add_render_command(CLI::App& app, Action& action) {
         check_targets(*command, *options);
         options->asks_for_guiding = options->config.guide && command->count("--guide") > 0;
         check_render_options(*command);
+        check_alpha_options(*command, *options);
+        check_exposure_options(*command, *options);
         action = [options] { render(*options); };
         if (job->print) action = [command] { std::fputs(job_text(*command).c_str(), stdout); };
     });

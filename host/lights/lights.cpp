@@ -68,7 +68,8 @@ void collect_triangles(const Scene& scene, const Mesh& mesh, const glm::dmat4& t
     };
     const bool flips = glm::determinant(glm::dmat3(transform)) < 0;  // front sides stay those of the object
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-        const Material& material = scene.materials[mesh.materials.empty() ? 0 : mesh.materials[i]];
+        const std::uint32_t number = mesh.materials.empty() ? 0 : mesh.materials[i];
+        const Material& material = scene.materials[number];
         const bool mirrored = flips && material.cull_back;
         if (sampled_emission(material) == 0.f) continue;
         const glm::uvec3 t = mesh.triangles[i];
@@ -82,6 +83,7 @@ void collect_triangles(const Scene& scene, const Mesh& mesh, const glm::dmat4& t
             lights.pop_back();
             continue;
         }
+        collected.triangle_materials.push_back(number);
         if (material.cull_back) lights.back().area = -lights.back().area;
         const std::uint32_t turned = mirrored ? CLARAY_TURNED_LAMP : 0u;
         collected.lamps.push_back(has_emission_map(material) ? (first.in_memory + std::uint32_t(i)) | turned
@@ -218,7 +220,7 @@ void collect_punctual(const Scene& scene, Lights& lights) {
         for (std::size_t i = 0; i < scene.lights.size(); ++i) {
             const PunctualLight light = punctual_light(scene.lights[i]);
             if (group_of(light) != group || !(luminance(scene.lights[i].intensity) > 0)) continue;
-            lights.punctual.push_back(light);
+            lights.punctual.push_back(light), lights.punctual_sources.push_back(std::uint32_t(i));
             if (const auto place = places.find(i); place != places.end()) add_hot_spot(place->second, lights);
         }
     }
@@ -420,7 +422,7 @@ Lights collect_lights(const Scene& scene, const LightSelection& selection) {
 }
 
 void replace_triangle_lights(const Scene& scene, Lights& lights) {
-    lights.triangles.clear(), lights.lamps.clear();
+    lights.triangles.clear(), lights.triangle_materials.clear(), lights.lamps.clear();
     lights.data.instance_error = lights.data.instance_reach = 0;
     collect_triangles(scene, lights.selection.most_points, lights);
     if (std::all_of(lights.lamps.begin(), lights.lamps.end(), [](auto lamp) { return lamp == CLARAY_NO_MAP; }))
@@ -429,7 +431,7 @@ void replace_triangle_lights(const Scene& scene, Lights& lights) {
 }
 
 void replace_punctual_lights(const Scene& scene, Lights& lights) {
-    lights.punctual.clear(), lights.hot_spots.clear();
+    lights.punctual.clear(), lights.punctual_sources.clear(), lights.hot_spots.clear();
     lights.tree.clear(), lights.leaves.clear(), lights.trails.clear(), lights.lists.clear();
     LightsData& data = lights.data;
     data.triangles = data.near = data.count = data.tree_last = data.grid_last = data.first_listed = 0;

@@ -22,13 +22,14 @@ struct LightSelection {
 /// Host data of a scene's lights. Arrays that the scene does not need are empty.
 struct Lights {
     std::vector<TriangleLight> triangles;
-    std::vector<PunctualLight> punctual;  // near ones, far ones, those of the grid
-    std::vector<LightNode> tree;          // empty: lights are picked by power alone
-    std::vector<LightLeaf> leaves;        // of the tree
-    std::vector<LightTrail> trails;       // of triangles; only with a tree
-    std::vector<std::uint32_t> lists;     // over the last lights of `punctual`; see build_light_lists
-    std::vector<HotSpot> hot_spots;       // of points close to surfaces
-    std::vector<std::uint32_t> lamps;     // of triangles; only with emission maps: see lights/light_triangle.clh
+    std::vector<PunctualLight> punctual;                              // near ones, far ones, those of the grid
+    std::vector<std::uint32_t> triangle_materials, punctual_sources;  // indices in the scene, of each of them
+    std::vector<LightNode> tree;                                      // empty: lights are picked by power alone
+    std::vector<LightLeaf> leaves;                                    // of the tree
+    std::vector<LightTrail> trails;                                   // of triangles; only with a tree
+    std::vector<std::uint32_t> lists;  // over the last lights of `punctual`; see build_light_lists
+    std::vector<HotSpot> hot_spots;    // of points close to surfaces
+    std::vector<std::uint32_t> lamps;  // of triangles; only with emission maps: see lights/light_triangle.clh
     std::vector<float> environment_texels, environment_cdf;
     LightsData data{};
 

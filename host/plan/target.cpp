@@ -241,7 +241,7 @@ RenderProgress render_to_target(RenderGroup& group, TargetPlan& plan,
 Builder choose_builder_for_samples(const Device& device, const Scene& scene, const RenderConfig& config) {
     const DeviceModel model = stored_model(device);
     if (!model.known() || !scene.instances.empty()) return config.bvh.builder;
-    const double samples = double(config.width) * config.height * config.spp;
+    const double samples = double(config.image_width()) * config.image_height() * config.spp;
     return choose_builder(model, triangles_of(scene), samples / model.fast.samples_per_second);
 }
 

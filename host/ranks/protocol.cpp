@@ -10,11 +10,12 @@ namespace {
 template <class Config, class Visit>
 void visit_config(Config& config, const Visit& visit) {
     auto& [width, height, spp, max_depth, sample_clamp, seed, seconds, noise, error, adaptive, guide, report_seconds,
-           sampler, bvh, parts, effects, approximate, light_grid, compiler, checkpoint, checkpoint_seconds, resume] =
-        config;
+           sampler, bvh, parts, effects, approximate, light_grid, compiler, checkpoint, checkpoint_seconds, resume,
+           region, alpha, lobes, light_groups] = config;
     (void)compiler, (void)checkpoint, (void)checkpoint_seconds, (void)resume;
+    visit(region.x, region.y, region.width, region.height);
     visit(width, height, spp, max_depth, sample_clamp, seed, seconds, noise, error, adaptive, guide, report_seconds,
-          sampler, bvh, parts, effects, approximate, light_grid);
+          sampler, bvh, parts, effects, approximate, light_grid, alpha, lobes, light_groups);
 }
 
 template <class... T>

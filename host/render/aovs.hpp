@@ -16,17 +16,18 @@ using AovWord = std::conditional_t<std::is_same_v<Pixel, std::uint32_t>, std::ui
 
 class AovStage {
 public:
-    /// Loads the kernels for these effects, and buffers for `pixels` pixels at a time.
-    AovStage(const SceneBuffers& scene, EffectSet effects, std::uint32_t pixels);
+    /// Loads the kernels for these effects, and buffers for `pixels` pixels at a time. `uvs`: of all vertices, or
+    /// empty.
+    AovStage(const SceneBuffers& scene, EffectSet effects, std::uint32_t pixels, const std::vector<glm::vec2>& uvs);
 
     [[nodiscard]] std::uint32_t capacity() const { return std::uint32_t(counts_.size()); }
-    /// Traces pixels `first` to `first` + `count` - 1, at most `capacity()`; asynchronous. The data of pixel `first` +
-    /// i is element i.
-    void run(Wavefront& wavefront, std::uint32_t first, std::uint32_t count);
+    /// Traces a batch of at most `capacity()` pixels, one sample each; asynchronous. The data of its pixel i is element
+    /// i.
+    void run(Wavefront& wavefront, const Batch& batch);
 
     [[nodiscard]] std::uint64_t bytes() const {
 #define CLARAY_BUFFER(name, kind, letters, meaning) , name
-        return buffer_bytes(counts_ CLARAY_AOVS(CLARAY_BUFFER));
+        return buffer_bytes(counts_, uvs_ CLARAY_AOVS(CLARAY_BUFFER));
 #undef CLARAY_BUFFER
     }
 
@@ -37,6 +38,7 @@ public:
 
 private:
     Buffer<Visits> counts_;
+    Buffer<float> uvs_;
     SceneQuery trace_;
     Kernel write_;
 };

@@ -37,7 +37,7 @@ private:
 /// The control pixels are picked when the samples see light first.
 Renderer::State::ErrorLook Renderer::State::look_at_controls() {
     ErrorLook look{film.noise_map(), {}, film.radiance(sizes(0, 0))};
-    look.expected = expected_variances(look.variances, config.width);
+    look.expected = expected_variances(look.variances, config.image_width());
     std::vector<ControlPixel>& controls = error.progress.controls;
     const auto is_lit = [](const glm::vec3& c) { return c.x + c.y + c.z > 0; };
     if (controls.empty() && std::ranges::any_of(look.image, is_lit))
@@ -63,7 +63,7 @@ double Renderer::error_of(std::span<const glm::vec3> image) {
 
 double approximation_error(Renderer& approximate, Renderer& exact) {
     Renderer::State &a = state_of(approximate), &e = state_of(exact);
-    if (a.config.width != e.config.width || a.config.height != e.config.height)
+    if (a.config.width != e.config.width || a.config.height != e.config.height || a.config.region != e.config.region)
         throw Error(ErrorKind::usage, "both renders need the same size", "make a renderer of that size");
     const Renderer::State::ErrorLook look = a.look_at_controls();
     std::vector<ControlPixel> first = a.error.progress.controls;
@@ -88,7 +88,8 @@ void Renderer::State::sample_controls(std::vector<ControlPixel>& controls, const
     std::vector<std::uint32_t> in_image, in_film;
     for (const auto& [range, numbers] : missing)
         for (const std::uint32_t k : numbers)
-            in_image.insert(in_image.end(), {controls[k].pixel, 0}), in_film.insert(in_film.end(), {k, 0});
+            in_image.insert(in_image.end(), {pixel_in_image(controls[k].pixel), 0}),
+                in_film.insert(in_film.end(), {k, 0});
     const std::uint32_t first_word = words_of_rounds(), film_word = first_word + std::uint32_t(in_image.size());
     buffers.tables.write(std::span<const std::uint32_t>(in_image), buffers.where.listed_pixels + first_word);
     buffers.tables.write(std::span<const std::uint32_t>(in_film), buffers.where.listed_pixels + film_word);
@@ -121,6 +122,7 @@ void Renderer::State::trace_controls(const Batch& all, Film& film, std::uint32_t
             Batch of_image = some;
             of_image.first_pixel += first_entry;
             trace_beside(of_image, [&](const Batch& part) {
+                if (outputs.matte) outputs.matte->hide(part, wavefront);
                 Batch of_film = part;
                 of_film.first_pixel -= first_entry;
                 film.accumulate(of_film, wavefront.queues.radiance, buffers.tables, listed);

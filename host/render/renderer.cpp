@@ -21,9 +21,10 @@ double least_milliseconds(double seconds) { return std::max(1.0, 5 * seconds); }
 }  // namespace
 
 ImageSizes Renderer::State::sizes(unsigned width, unsigned height) const {
-    width = width == 0 ? config.width : width, height = height == 0 ? config.height : height;
+    const unsigned film_width = config.image_width(), film_height = config.image_height();
+    width = width == 0 ? film_width : width, height = height == 0 ? film_height : height;
     check_size(width, height);
-    return {config.width, config.height, width, height};
+    return {film_width, film_height, width, height};
 }
 
 void Renderer::State::look_through(const Camera& view) {
@@ -51,7 +52,7 @@ void Renderer::State::sample_all_pixels() {
 AovStage& Renderer::State::aov_stage() {
     if (!outputs.aovs)
         outputs.aovs.emplace(buffers, wavefront.kernels.config.effects,
-                             std::min<std::uint32_t>(wavefront.queues.capacity, pixels()));
+                             std::min<std::uint32_t>(wavefront.queues.capacity, pixels()), source.shape.uvs);
     return *outputs.aovs;
 }
 
@@ -63,6 +64,8 @@ DenoisingStage& Renderer::State::denoising_stage() {
 void Renderer::State::discard_samples() {
     sampling.schedule = new_schedule();
     film.clear();
+    if (outputs.matte) outputs.matte->clear();
+    if (outputs.light_layers) outputs.light_layers->clear();
     if (sampling.guide) sampling.guide->forget();
     error.progress = {};
     time.begin.reset();
@@ -124,15 +127,22 @@ void Renderer::State::set_bounds(const Scene& scene, bool vertices) {
     sampling.guide.reset();
 }
 
-void Renderer::State::trace(const Batch& batch) {
+void Renderer::State::trace(const Batch& of_film) {
+    const Batch batch = in_image(of_film);
     const auto add = [&](const Batch& part) {
-        film.accumulate(part, wavefront.queues.radiance, buffers.tables, buffers.where.listed_pixels);
+        Batch in_film = part;
+        in_film.listed = of_film.listed;
+        if (outputs.matte) outputs.matte->take(part, in_film, wavefront);
+        film.accumulate(in_film, wavefront.queues.radiance, buffers.tables, buffers.where.listed_pixels);
+        if (outputs.light_layers)
+            outputs.light_layers->accumulate(in_film, wavefront, buffers.tables, buffers.where.listed_pixels);
     };
     if (!may_guide()) {
         wavefront.trace(batch);
         return add(batch);
     }
-    if (!sampling.guide) sampling.guide.emplace(device, source.bounds, pixels());
+    if (!sampling.guide) sampling.guide.emplace(device, source.bounds, config.width * config.height);
+    if (has_region()) return sampling.guide->trace_region(batch, wavefront, add);
     sampling.guide->trace(batch, config.spp, wavefront, add);
 }
 
@@ -240,6 +250,7 @@ void Renderer::resize(unsigned width, unsigned height) {
     State& state = *state_;
     check_size(width, height);
     state.refuse_with_checkpoints("a render that writes checkpoints cannot change its size");
+    state.refuse_with_region("a render of a region cannot change its size");
     if (state.config.adaptive)
         throw Error(ErrorKind::usage, "a render with adaptive sampling cannot change its size", "make a new renderer");
     if (width == state.config.width && height == state.config.height) return state.discard_samples();
@@ -249,6 +260,8 @@ void Renderer::resize(unsigned width, unsigned height) {
     state.wavefront.resize(width, height, std::uint64_t(state.pixels()) * state.sampling.most_spp);
     state.look_through(state.source.camera);
     state.film = Film(state.device, state.pixels(), state.config.sample_clamp);
+    if (state.outputs.matte) state.outputs.matte->resize(width, height);
+    if (state.outputs.light_layers) state.outputs.light_layers->resize(state.pixels());
     state.sampling.pace = Pace(state.first_paths(), state.wavefront.queues.capacity);
     state.kernels.of_paths.reset();
     state.error.cut_off.reset();

@@ -19,6 +19,9 @@
 #include "host/render/guiding/path_guide.hpp"
 #include "host/render/in_flight.hpp"
 #include "host/render/kernels/kernel_choice.hpp"
+#include "host/render/layers/light_layers.hpp"
+#include "host/render/layers/matte.hpp"
+#include "host/render/layers/surface_numbers.hpp"
 #include "host/render/schedule/adaptive_schedule.hpp"
 #include "host/render/wavefront/wavefront.hpp"
 
@@ -36,9 +39,11 @@ struct SceneShape {
     std::vector<MeshSize> meshes;
     std::size_t materials = 0, primitives = 0;
     std::vector<MeshInstance> instances;
-    std::vector<InstancePlace> places;        // of the instances in the placed scene
-    TriangleNumbers numbers;                  // of the placed scene's triangles in the user's
+    std::vector<InstancePlace> places;  // of the instances in the placed scene
+    TriangleNumbers numbers;            // of the placed scene's triangles in the user's
+    SurfaceNumbers surfaces;
     std::vector<std::size_t> first_vertices;  // of the meshes of the placed scene
+    std::vector<glm::vec2> uvs;               // of its vertices; empty: no mesh has texture coordinates
 };
 
 /// How the lights are picked; sums over tiles pick none.
@@ -105,6 +110,8 @@ struct RenderOutputs {
     std::optional<AovStage> aovs;
     std::optional<GBufferStage> gbuffer;
     std::optional<DenoisingStage> denoising;
+    std::optional<LightLayers> light_layers;
+    std::optional<Matte> matte;  // of RenderConfig::alpha
     Checkpoints checkpoints;
 
     /// Drops those whose kernels trace the scene.
@@ -146,7 +153,7 @@ struct Renderer::State {
     [[nodiscard]] WavefrontKernels load_kernels(EffectSet effects) const;
     /// Of this scene's buffers, for kernels that know these effects.
     [[nodiscard]] StageConfig stages(EffectSet effects) const {
-        return stages_of(buffers, config.sampler, effects, config.approximate);
+        return stages_of(buffers, config.sampler, effects, config.approximate, light_layers_of(config));
     }
     /// Of this scene, if it had these effects.
     [[nodiscard]] SceneTraits traits(EffectSet effects) const;
@@ -191,18 +198,31 @@ struct Renderer::State {
     [[nodiscard]] bool move_instances(const Scene& scene);
     void rebuild_scene(const Scene& scene);
     void support_scene();
-    [[nodiscard]] std::uint32_t pixels() const { return config.width * config.height; }
+    /// Of the film: of the region, or of the whole image.
+    [[nodiscard]] std::uint32_t pixels() const { return config.image_width() * config.image_height(); }
     [[nodiscard]] AdaptiveSchedule new_schedule() const {
         const double least_gain = device.tuning("render/adaptive", "LEAST_GAIN_PERCENT") / 100.0;
-        return {config.width, config.height, config.spp, wavefront.queues.capacity, config.adaptive, least_gain};
+        return {config.image_width(),      config.image_height(), config.spp,
+                wavefront.queues.capacity, config.adaptive,       least_gain};
     }
-    /// Of the lists of rounds of adaptive sampling, and behind them of control pixels.
+    /// Of the lists of rounds of adaptive sampling or of a region's pixels, and behind them of control pixels.
     [[nodiscard]] std::uint32_t words_of_listed_pixels() const {
         return words_of_rounds() + words_of_listed_controls();
     }
     [[nodiscard]] std::uint32_t words_of_rounds() const {
-        return config.adaptive ? AdaptiveSchedule::words_per_pixel * pixels() : 0;
+        return config.adaptive ? AdaptiveSchedule::words_per_pixel * pixels() : has_region() ? 2 * pixels() : 0;
     }
+
+    // region.cpp
+    [[nodiscard]] bool has_catchers() const { return outputs.matte && outputs.matte->has_catchers(); }
+    [[nodiscard]] bool has_region() const { return config.region.width > 0; }
+    /// The number in the whole image of a pixel of the film.
+    [[nodiscard]] std::uint32_t pixel_in_image(std::uint32_t pixel) const;
+    /// Writes the list of a region's pixels, whose entries its batches number.
+    void list_region();
+    /// Of pixels of the film, as the kernels number them.
+    [[nodiscard]] Batch in_image(Batch batch) const;
+    void refuse_with_region(const char* what) const;
 
     // controls.cpp
     [[nodiscard]] std::uint32_t words_of_listed_controls() const { return 4 * std::min(most_control_pixels, pixels()); }

@@ -9,7 +9,10 @@
 namespace claray {
 
 std::vector<glm::vec3> Renderer::image(unsigned width, unsigned height) const {
-    return state_->film.image(state_->sizes(width, height));
+    const ImageSizes size = state_->sizes(width, height);
+    std::vector<glm::vec3> image = state_->film.image(size);
+    if (state_->outputs.matte) state_->outputs.matte->finish(size, image);
+    return image;
 }
 
 void Renderer::image(std::span<glm::vec3> to, unsigned width, unsigned height) const {
@@ -18,31 +21,47 @@ void Renderer::image(std::span<glm::vec3> to, unsigned width, unsigned height) c
         throw Error(claray::ErrorKind::usage, "an image of " + std::to_string(pixels) +
                                                   " pixels does not fit into memory for " + std::to_string(to.size()));
     state_->film.image(size, to);
+    if (state_->outputs.matte) state_->outputs.matte->finish(size, to);
 }
 
 std::span<const glm::vec3> Renderer::radiance(unsigned width, unsigned height) const {
-    return state_->film.radiance(state_->sizes(width, height));
+    if (!state_->has_catchers()) return state_->film.radiance(state_->sizes(width, height));
+    return state_->outputs.matte->room() = image(width, height);
 }
 
 std::span<const std::uint8_t> Renderer::picture(const PictureConfig& config) const {
     State& state = *state_;
     const ImageSizes size = state.sizes(config.width, config.height);
-    return state.mapper_of(size.image_width * size.image_height).map(state.film.resolve(size), config);
+    ToneMapper& mapper = state.mapper_of(size.image_width * size.image_height);
+    if (!state.has_catchers()) return mapper.map(state.film.resolve(size), config);
+    const std::span<const glm::vec3> pixels = radiance(size.image_width, size.image_height);
+    return mapper.map(Buffer<float>(state.device, std::span(&pixels[0].x, 3 * pixels.size())), config);
+}
+
+std::vector<float> Renderer::alpha() const {
+    const std::optional<Matte>& matte = state_->outputs.matte;
+    return matte ? matte->alpha() : std::vector<float>(state_->pixels(), 1.f);
 }
 
 std::vector<glm::vec3> Renderer::denoised(DenoiserKind kind) const {
     State& state = *state_;
+    state.refuse_with_region("a region cannot be denoised: its edges would need the pixels beyond");
     DenoisingStage& stage = state.denoising_stage();
+    const auto finished = [&](std::vector<glm::vec3> image) {
+        if (state.outputs.matte) state.outputs.matte->finish(state.sizes(0, 0), image);
+        return image;
+    };
     if (picked_denoiser(kind) == DenoiserKind::oidn)
-        return denoised_by_oidn({state.config.width, state.config.height, read_back(state.film.pixels()),
-                                 read_back(stage.guides_of(state.noisy()))});
+        return finished(denoised_by_oidn({state.config.width, state.config.height, read_back(state.film.pixels()),
+                                          read_back(stage.guides_of(state.noisy()))}));
     VectorRoom<glm::vec3> image(state.pixels());
     read_back(stage.still(state.noisy()), image.span());
-    return image.take();
+    return finished(image.take());
 }
 
 std::span<const std::uint8_t> Renderer::denoised_picture(const PictureConfig& picture) {
     State& state = *state_;
+    state.refuse_with_region("a region cannot be denoised: its edges would need the pixels beyond");
     const Buffer<float>& image = state.denoising_stage().next_frame(state.noisy());
     return state.mapper_of(state.pixels()).map(image, picture);
 }
@@ -74,8 +93,8 @@ RenderStatistics Renderer::statistics() const {
     statistics.device_bytes = buffer_bytes(state.buffers, state.wavefront, state.film);
     const auto add = [&](const auto& stage) { statistics.device_bytes += stage ? stage->bytes() : 0; };
     const RenderOutputs& outputs = state.outputs;
-    add(outputs.tone_mapper), add(outputs.aovs), add(outputs.gbuffer), add(outputs.denoising),
-        add(state.sampling.guide);
+    add(outputs.tone_mapper), add(outputs.aovs), add(outputs.gbuffer), add(outputs.denoising), add(outputs.matte),
+        add(outputs.light_layers), add(state.sampling.guide);
     statistics.most_device_bytes = most_bytes_in_use(state.device);
     statistics.first_pixel_seconds = state.time.first_pixel;
     statistics.first_pixel_processor_seconds = state.time.first_pixel_processor;
@@ -99,6 +118,7 @@ std::vector<glm::vec3> Renderer::voxels() const {
     State& state = *state_;
     if (!state.light_grid || !state.config.light_grid.voxels)
         throw Error(claray::ErrorKind::usage, "there are no voxels", "approximate by a light grid of voxels");
+    state.refuse_with_region("voxels are shown in whole images only");
     state.follow_light();
     const std::uint32_t all = state.pixels(), most = std::min(state.wavefront.queues.capacity, all);
     VectorRoom<glm::vec3> albedo(all);
@@ -111,6 +131,13 @@ std::vector<glm::vec3> Renderer::voxels() const {
     return albedo.take();
 }
 
+std::vector<LightLayer> Renderer::light_layers() const {
+    const State& state = *state_;
+    if (!state.outputs.light_layers)
+        throw Error(claray::ErrorKind::usage, "the render keeps no layers of light", "ask for lobes or light_groups");
+    return state.outputs.light_layers->read(state.film.image(), state.film.sums());
+}
+
 Aovs Renderer::aovs() const {
     State& state = *state_;
     const std::size_t pixels = state.pixels();
@@ -120,7 +147,7 @@ Aovs Renderer::aovs() const {
 #undef CLARAY_ROOM
     for (std::size_t first = 0; first < pixels; first += stage.capacity()) {
         const std::size_t n = std::min<std::size_t>(stage.capacity(), pixels - first);
-        stage.run(state.wavefront, std::uint32_t(first), std::uint32_t(n));
+        stage.run(state.wavefront, state.in_image({std::uint32_t(first), std::uint32_t(n), 0, 1, 0}));
 #define CLARAY_READ(name, kind, letters, meaning) read_back(stage.name, name.span().subspan(first, n));
         CLARAY_AOVS(CLARAY_READ)
 #undef CLARAY_READ
@@ -128,8 +155,12 @@ Aovs Renderer::aovs() const {
 #define CLARAY_TAKE(name, kind, letters, meaning) name.take(),
     Aovs aovs{CLARAY_AOVS(CLARAY_TAKE)};
 #undef CLARAY_TAKE
-    if (!state.source.shape.numbers.empty())
-        for (std::uint32_t& triangle : aovs.primitive) triangle = state.source.shape.numbers.number_there(triangle);
+    const SceneShape& shape = state.source.shape;
+    for (std::size_t i = 0; i < pixels; ++i) {
+        aovs.instance[i] = shape.surfaces.instance_of(aovs.primitive[i], aovs.instance[i]);
+        aovs.primitive[i] = shape.numbers.number_there(aovs.primitive[i]);
+        aovs.object[i] = shape.surfaces.object_of(aovs.primitive[i]);
+    }
     return aovs;
 }
 

@@ -41,6 +41,7 @@ struct SceneBuffers {
     EffectSet effects;               // of the scene
     std::vector<EffectSet> shaders;  // see shaders_of; kept while they are enough for changed materials
 
+    [[nodiscard]] const Lights& lights_on_host() const { return *on_host_; }
     /// Of the scene, as LightsData takes it.
     [[nodiscard]] double radius() const { return on_host_->radius; }
     /// The effects that depend on more than one part of the scene.

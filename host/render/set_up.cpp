@@ -118,6 +118,7 @@ Renderer::State::State(const Device& on, const Scene& scene, const RenderConfig&
           .schedule = new_schedule(), .pace = Pace(first_paths(), wavefront.queues.capacity), .most_spp = with.spp} {
     for (const char* name : {trace_camera_name, trace_bounce_name, trace_shadow_name, trace_paths_name})
         time.of_kernels[name] = device.profiler().milliseconds(name);
+    if (light_layers_of(with) > 0) outputs.light_layers.emplace(scene, with, wavefront);
     forget_slow_programs(on);
 } catch (...) {
     forget_slow_programs(on);
@@ -156,6 +157,8 @@ Renderer::Renderer(const Device& device, const Scene& scene, const RenderConfig&
     const Scene& prepared = changed ? *changed : scene;
     state_ =
         config.effects.remove.empty() ? made_for(prepared) : made_for(without_effects(prepared, config.effects.remove));
+    state_->list_region();
+    if (config.alpha) state_->outputs.matte.emplace(device, prepared, config);
     state_->set_bounds(scene, true);
     state_->outputs.checkpoints.identity = identity;
     if (!from) return;

@@ -76,7 +76,7 @@ bool Renderer::State::limit_reached() {
 /// Plans the next round of adaptive sampling, if one is due.
 void Renderer::State::plan_round() {
     if (!sampling.schedule.wants_plan()) return;
-    sampling.schedule.plan(timed([&] { return film.gain_per_sample(config.width); }));
+    sampling.schedule.plan(timed([&] { return film.gain_per_sample(config.image_width()); }));
     list_pixels();
 }
 

@@ -5,6 +5,7 @@
 #include "host/effects/parts/part.hpp"
 #include "host/render/renderer_state.hpp"
 #include "host/scene/validate.hpp"
+#include "host/textures/texture_use.hpp"
 
 namespace claray {
 namespace {
@@ -70,7 +71,8 @@ SceneShape::SceneShape(const Scene& scene, const Scene& placed, std::vector<Inst
       primitives(primitive_count(scene)),
       instances(scene.instances),
       places(std::move(of)),
-      numbers(std::move(ofs)) {
+      numbers(std::move(ofs)),
+      surfaces(scene, places, numbers) {
     for (const Mesh& mesh : scene.meshes)
         meshes.push_back({mesh.positions.size(), mesh.triangles.size(), mesh.normals.size()});
     std::size_t vertices = 0;
@@ -78,6 +80,8 @@ SceneShape::SceneShape(const Scene& scene, const Scene& placed, std::vector<Inst
         first_vertices.push_back(vertices);
         vertices += mesh.positions.size();
     }
+    const auto has_uvs = [](const Mesh& mesh) { return !mesh.uvs.empty(); };
+    if (std::any_of(placed.meshes.begin(), placed.meshes.end(), has_uvs)) uvs = of_all_meshes(placed, &Mesh::uvs);
 }
 
 /// Keeps the kernels in use if they support the scene. Others are compiled in the background if that is possible.
@@ -104,6 +108,7 @@ void Renderer::State::rebuild_scene(const Scene& scene) {
     light_grid = light_grid_of(config, placed.scene);
     buffers = SceneBuffers(device, placed.scene, structure, config.effects.add, selection_of_lights(config),
                            words_of(light_grid), words_of_listed_pixels(), words_of_guide());
+    list_region();
     set_bounds(scene, true);
     source.shape = SceneShape(scene, placed.scene, std::move(placed.places), std::move(placed.numbers));
     wavefront.replace_scene(buffers);
@@ -189,8 +194,10 @@ void Renderer::update(const Scene& scene, const SceneChanges& changes) {
     State& state = *state_;
     state.refuse_with_checkpoints("a scene cannot change while checkpoints are written");
     check_changes(scene, changes, state.source.shape);
+    if (state.outputs.matte) state.outputs.matte->follow(scene, changes);
     const EffectSet removed = state.config.effects.remove;
     removed.empty() ? state.update(scene, changes) : state.update(without_effects(scene, removed), changes);
+    if (state.outputs.light_layers) state.outputs.light_layers->follow(scene, state.wavefront);
     state.error.cut_off.reset();
     if (state.outputs.denoising) state.outputs.denoising->follow(state.buffers, changes);
     state.discard_samples();

@@ -6,6 +6,7 @@
 
 #include "host/base/file.hpp"
 #include "host/base/seconds_since.hpp"
+#include "host/render/config/checks.hpp"
 #include "host/render/renderer_state.hpp"
 #include "host/scale/group_state.hpp"
 
@@ -32,6 +33,7 @@ const RenderConfig& shareable(const RenderConfig& config) {
     if (config.adaptive)
         throw Error(ErrorKind::usage, "adaptive sampling cannot be shared by several devices",
                     "use one device, or leave out adaptive sampling");
+    check_alone(config);
     return config;
 }
 

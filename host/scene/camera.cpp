@@ -4,6 +4,7 @@
 
 #include "claray/error.hpp"
 #include "claray/scene.hpp"
+#include "claray/shared/camera/lens.h"
 #include "host/scene/camera.hpp"
 
 namespace claray {
@@ -141,6 +142,10 @@ void check_view(const glm::dvec3& view, const glm::dvec3& change, const glm::dve
                       "choose another up vector, for example 0,0,1");
 }
 
+bool is_fisheye(Projection projection) {
+    return projection == Projection::fisheye || projection == Projection::equisolid;
+}
+
 void check_projection(const Camera& camera) {
     const ProjectionTraits* traits = traits_of(camera.projection);
     if (!traits) refuse_camera("its projection is unknown", "use a Projection");
@@ -148,7 +153,10 @@ void check_projection(const Camera& camera) {
         refuse_camera("the orthographic height is not positive and finite", "give the height of the image");
     if (!traits->flat && camera.aperture_radius > 0.f)
         refuse_camera("it has a lens, but its image is no plane", "use an aperture of 0");
-    if (!(camera.vertical_fov > 0.f && camera.vertical_fov < 180.f))
+    const bool circular = is_fisheye(camera.projection);
+    if (circular && !(camera.vertical_fov > 0.f && camera.vertical_fov <= 360.f))
+        refuse_camera("the field of view of its fisheye is not between 0 and 360 degrees", "use for example 180");
+    if (!circular && !(camera.vertical_fov > 0.f && camera.vertical_fov < 180.f))
         refuse_camera("the field of view is not between 0 and 180 degrees", "use for example 40");
 }
 
@@ -157,6 +165,57 @@ void check_lens(const Camera& camera) {
         refuse_camera("the aperture is negative or not finite", "give the radius of the lens, or 0 for a pinhole");
     if (!(camera.focus_distance >= 0.f) || std::isinf(camera.focus_distance))
         refuse_camera("the focus distance is negative or not finite", "give the distance of the sharp plane");
+}
+
+void check_lens_numbers(const Camera& camera) {
+    const auto all_finite = [](const glm::vec2& v) { return std::isfinite(v.x) && std::isfinite(v.y); };
+    if (!all_finite(camera.shift) || !all_finite(camera.tilt) || !std::isfinite(camera.eye_distance))
+        refuse_camera("its shift, tilt or distance of eyes is not finite", "give finite numbers");
+    if (camera.stereo > Stereo::top_bottom) refuse_camera("its stereo layout is unknown", "use a Stereo");
+    const bool shifted = camera.shift != glm::vec2(0.f), tilted = camera.tilt != glm::vec2(0.f);
+    if (!shifted && !tilted && camera.stereo == Stereo::none) return;
+    if (moves(camera)) refuse_camera("it moves, and has a shift, a tilt or two eyes", "leave one of them out");
+    if (shifted && camera.projection != Projection::perspective)
+        refuse_camera("it has a shift, but is not perspective", "use a shift of 0");
+    if (std::abs(camera.tilt.x) >= 90.f || std::abs(camera.tilt.y) >= 90.f)
+        refuse_camera("its tilt is not below 90 degrees", "use for example 5");
+    const bool flat = traits_of(camera.projection)->flat;
+    if (tilted && !flat) refuse_camera("it has a tilt, but its image is no plane", "use a tilt of 0");
+    if (camera.stereo != Stereo::none && !flat && camera.projection != Projection::panorama)
+        refuse_camera("it has two eyes, but is neither flat nor a panorama", "use another projection");
+}
+
+/// Degrees to half the image's height over `up`.
+double half_height_of(const Camera& camera) {
+    const double angle = glm::radians(double(camera.vertical_fov));
+    switch (camera.projection) {
+        case Projection::perspective: return std::tan(0.5 * angle);
+        case Projection::orthographic: return 0.5 * double(camera.orthographic_height);
+        case Projection::fisheye: return 0.5 * angle;
+        case Projection::equisolid: return 2 * std::sin(0.25 * angle);
+        default: return 1.0;
+    }
+}
+
+/// Of one eye's image.
+double aspect_of_eye(const Camera& camera, double aspect) {
+    if (camera.stereo == Stereo::side_by_side) return aspect / 2;
+    return camera.stereo == Stereo::top_bottom ? 2 * aspect : aspect;
+}
+
+/// Puts the numbers of claray/shared/camera/lens.h into a camera that does not move.
+void add_lens(const Camera& camera, double distance, CameraData& data) {
+    const bool shifted = camera.shift != glm::vec2(0.f), tilted = camera.tilt != glm::vec2(0.f);
+    if (camera.stereo == Stereo::none && !shifted && !tilted) return;
+    if (shifted) data.projection |= CLARAY_SHIFTED;
+    if (tilted) data.projection |= CLARAY_TILTED;
+    if (camera.stereo == Stereo::side_by_side) data.projection |= CLARAY_SIDE_BY_SIDE;
+    if (camera.stereo == Stereo::top_bottom) data.projection |= CLARAY_TOP_BOTTOM;
+    data.CLARAY_LENS_SHIFT_X = 2 * camera.shift.x, data.CLARAY_LENS_SHIFT_Y = 2 * camera.shift.y;
+    data.CLARAY_LENS_EYE = 0.5f * camera.eye_distance;
+    data.CLARAY_LENS_NEARNESS = float(1 / distance);
+    data.CLARAY_LENS_TILT_X = std::tan(glm::radians(-camera.tilt.y));
+    data.CLARAY_LENS_TILT_Y = std::tan(glm::radians(-camera.tilt.x));
 }
 
 }  // namespace
@@ -176,6 +235,7 @@ CameraData camera_data(const Camera& camera, float aspect) {
     if (!(aspect > 0.f) || std::isinf(aspect))
         refuse_camera("the aspect ratio is not positive", "use a size of at least 1x1");
     check_lens(camera);
+    check_lens_numbers(camera);
 
     const glm::dvec3 view = glm::dvec3(camera.target) - glm::dvec3(camera.position);
     const glm::dvec3 move = glm::dvec3(position_end) - glm::dvec3(camera.position);
@@ -185,11 +245,9 @@ CameraData camera_data(const Camera& camera, float aspect) {
     const glm::dvec3 forward = view / distance;
     const glm::dvec3 right = glm::normalize(glm::cross(forward, glm::dvec3(camera.up)));
 
-    const ProjectionTraits& traits = *traits_of(camera.projection);
-    const double half_height = !traits.flat      ? 1.0
-                               : traits.parallel ? 0.5 * double(camera.orthographic_height)
-                                                 : std::tan(0.5 * glm::radians(double(camera.vertical_fov)));
-    const double half_width = traits.flat ? half_height * aspect : 1.0;
+    const bool keeps_aspect = traits_of(camera.projection)->flat || is_fisheye(camera.projection);
+    const double half_height = half_height_of(camera);
+    const double half_width = keeps_aspect ? half_height * aspect_of_eye(camera, aspect) : half_height;
     const glm::vec3 f(forward), r(right * half_width), u(glm::cross(right, forward) * half_height);
     const glm::vec3 m(move), v(view), w(view_move), a(glm::normalize(glm::dvec3(camera.up)));
     const glm::vec3& p = camera.position;
@@ -198,15 +256,17 @@ CameraData camera_data(const Camera& camera, float aspect) {
     const float focus = !follows_target ? camera.focus_distance : moves(camera) ? 0.f : float(distance);
     const auto width = float(half_width), height = float(half_height);
     const auto projection = std::uint32_t(camera.projection);
-    return {p.x, p.y, p.z, f.x, f.y, f.z, r.x, r.y, r.z, u.x, u.y, u.z,   lens,   focus,     m.x,
-            m.y, m.z, v.x, v.y, v.z, w.x, w.y, w.z, a.x, a.y, a.z, width, height, projection};
+    CameraData data{p.x, p.y, p.z, f.x, f.y, f.z, r.x, r.y, r.z, u.x, u.y, u.z,   lens,   focus,     m.x,
+                    m.y, m.z, v.x, v.y, v.z, w.x, w.y, w.z, a.x, a.y, a.z, width, height, projection};
+    add_lens(camera, distance, data);
+    return data;
 }
 
 CameraRay camera_ray(const CameraData& c, double x, double y) {
     const glm::dvec3 right(c.right_x, c.right_y, c.right_z), up(c.up_x, c.up_y, c.up_z);
     const glm::dvec3 forward(c.forward_x, c.forward_y, c.forward_z), position(c.x, c.y, c.z);
-    const ProjectionRay ray = aim_ray(c.projection, x, y);
-    return {position + (ray.from_right * right + ray.from_up * up),
+    const auto [ray, from_forward] = aim_lens(c, x, y);
+    return {position + (ray.from_right * right + ray.from_up * up + from_forward * forward),
             ray.forward * forward + (ray.right * right + ray.up * up)};
 }
 

@@ -50,15 +50,15 @@ void visit_members(T& material, const Visit& visit) {
     auto& [name, kind, albedo, emission, roughness, ior, metallic, transmission, thin_walled, clearcoat,
            clearcoat_roughness, specular, specular_weight, specular_tint, sheen, sheen_roughness, anisotropy,
            anisotropy_rotation, iridescence, iridescence_ior, film_thickness, attenuation, attenuation_distance,
-           opacity, alpha_mode, alpha_cutoff, alpha_test, cull_back, albedo_map, emission_map, metallic_roughness_map,
-           transmission_map, clearcoat_map, clearcoat_roughness_map, clearcoat_normal_map, clearcoat_normal_scale,
-           specular_map, specular_weight_map, shininess_map, sheen_map, sheen_roughness_map, anisotropy_map,
-           iridescence_map, film_thickness_map, opacity_map, normal_map, normal_scale, height_map, height_scale,
-           light_map, custom, parameters CLARAY_BSDF_PARAMETERS(CLARAY_ROW)] = material;
+           opacity, alpha_mode, alpha_cutoff, alpha_test, cull_back, role, albedo_map, emission_map,
+           metallic_roughness_map, transmission_map, clearcoat_map, clearcoat_roughness_map, clearcoat_normal_map,
+           clearcoat_normal_scale, specular_map, specular_weight_map, shininess_map, sheen_map, sheen_roughness_map,
+           anisotropy_map, iridescence_map, film_thickness_map, opacity_map, normal_map, normal_scale, height_map,
+           height_scale, light_map, custom, parameters CLARAY_BSDF_PARAMETERS(CLARAY_ROW)] = material;
     visit(name, kind, albedo, emission, roughness, ior, metallic, transmission, thin_walled, clearcoat,
           clearcoat_roughness, specular, specular_weight, specular_tint, sheen, sheen_roughness, anisotropy,
           anisotropy_rotation, iridescence, iridescence_ior, film_thickness, attenuation, attenuation_distance, opacity,
-          alpha_mode, alpha_cutoff, alpha_test, cull_back, albedo_map, emission_map, metallic_roughness_map,
+          alpha_mode, alpha_cutoff, alpha_test, cull_back, role, albedo_map, emission_map, metallic_roughness_map,
           transmission_map, clearcoat_map, clearcoat_roughness_map, clearcoat_normal_map, clearcoat_normal_scale,
           specular_map, specular_weight_map, shininess_map, sheen_map, sheen_roughness_map, anisotropy_map,
           iridescence_map, film_thickness_map, opacity_map, normal_map, normal_scale, height_map, height_scale,
@@ -94,9 +94,9 @@ void visit_members(T& use, const Visit& visit) {
 template <IsOf<Camera> T, class Visit>
 void visit_members(T& camera, const Visit& visit) {
     auto& [position, target, up, vertical_fov, aperture_radius, focus_distance, position_end, target_end, projection,
-           orthographic_height] = camera;
+           orthographic_height, shift, tilt, stereo, eye_distance] = camera;
     visit(position, target, up, vertical_fov, aperture_radius, focus_distance, position_end, target_end, projection,
-          orthographic_height);
+          orthographic_height, shift, tilt, stereo, eye_distance);
 }
 
 /// Has `visit_members`.

@@ -60,9 +60,13 @@ void TriangleNumbers::add(std::uint32_t first, std::size_t triangles) {
 }
 
 std::uint32_t TriangleNumbers::number_there(std::uint32_t triangle) const {
-    if (triangle == CLARAY_MISS || triangle >= next_) return triangle;
-    const auto mesh = std::size_t(std::upper_bound(here_.begin(), here_.end(), triangle) - here_.begin()) - 1;
-    return there_[mesh] + (triangle - here_[mesh]);
+    const std::uint32_t mesh = mesh_of(triangle);
+    return mesh == CLARAY_MISS ? triangle : there_[mesh] + (triangle - here_[mesh]);
+}
+
+std::uint32_t TriangleNumbers::mesh_of(std::uint32_t triangle) const {
+    if (triangle >= next_) return CLARAY_MISS;
+    return std::uint32_t(std::upper_bound(here_.begin(), here_.end(), triangle) - here_.begin()) - 1;
 }
 
 Mesh transformed(const Mesh& mesh, const glm::mat4& transform) {

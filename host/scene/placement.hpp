@@ -14,6 +14,8 @@ public:
     [[nodiscard]] bool empty() const { return there_.empty(); }
     /// CLARAY_MISS is kept, and so are the numbers of primitives, which follow the triangles.
     [[nodiscard]] std::uint32_t number_there(std::uint32_t triangle) const;
+    /// The mesh of a triangle here, in the order of `add`; CLARAY_MISS for numbers of primitives.
+    [[nodiscard]] std::uint32_t mesh_of(std::uint32_t triangle) const;
 
 private:
     std::vector<std::uint32_t> here_, there_;  // of the first triangle of each mesh

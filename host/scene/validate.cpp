@@ -167,6 +167,7 @@ void check_material(const Material& material, const Check& check, std::size_t te
     check.share(share(material.opacity), "opacity");
     check.sound(sound(material.alpha_cutoff), "alpha cutoff");
     check.that(material.alpha_test <= AlphaTest::not_equal, "unknown alpha test", "use an AlphaTest");
+    check.that(material.role <= MaterialRole::shadow_catcher, "unknown role", "use a MaterialRole");
     check.finite(std::isfinite(material.normal_scale), "normal scale");
     check.finite(std::isfinite(material.height_scale), "height scale");
 #define CLARAY_ROW(name, text, standard, kind) check.kind(kind(material.name), text);

@@ -122,6 +122,16 @@ std::string options_of(const Camera& camera) {
     options += traits.parallel ? printed("--ortho %.9g", double(camera.orthographic_height))
                : traits.flat   ? printed("--fov %.9g", double(camera.vertical_fov))
                                : printed("--projection %s", traits.name);
+    const bool is_fisheye = camera.projection == Projection::fisheye || camera.projection == Projection::equisolid;
+    if (is_fisheye) options += printed(" --fov %.9g", double(camera.vertical_fov));
+    const auto pair = [&](const char* name, const glm::vec2& v) {
+        if (v != glm::vec2(0.f)) options += printed(" %s %.9g,%.9g", name, double(v.x), double(v.y));
+    };
+    pair("--shift", camera.shift), pair("--tilt", camera.tilt);
+    if (camera.stereo != Stereo::none)
+        options +=
+            printed(" --stereo %s --eye-distance %.9g",
+                    camera.stereo == Stereo::side_by_side ? "side-by-side" : "top-bottom", double(camera.eye_distance));
     if (camera.aperture_radius > 0) options += printed(" --aperture %.9g", double(camera.aperture_radius));
     if (camera.aperture_radius > 0 && camera.focus_distance > 0)
         options += printed(" --focus-distance %.9g", double(camera.focus_distance));

@@ -43,11 +43,36 @@ std::vector<glm::vec3> direction_colors(const std::vector<glm::vec3>& directions
     return colors;
 }
 
-Image picture_of(AovKind, unsigned width, unsigned height, const std::vector<float>& pixels) {
-    return false_color(width, height, pixels);
+std::vector<glm::vec3> place_colors(const std::vector<glm::vec3>& places) {
+    Bounds bounds;
+    for (const glm::vec3& place : places)
+        if (place != glm::vec3(0.f)) bounds.grow(place);
+    const glm::vec3 extent = glm::max(bounds.extent(), 1e-30f);
+    std::vector<glm::vec3> colors = places;
+    for (glm::vec3& color : colors)
+        if (color != glm::vec3(0.f)) color = (color - bounds.lo) / extent;
+    return colors;
+}
+
+Image picture_of(AovKind kind, unsigned width, unsigned height, const std::vector<float>& pixels) {
+    if (kind == AovKind::distance) return false_color(width, height, pixels);
+    return {width, height, {pixels.begin(), pixels.end()}};
+}
+
+/// Coordinates repeat; movements are grey where there is none, and brighter to the right and down.
+Image picture_of(AovKind kind, unsigned width, unsigned height, const std::vector<glm::vec2>& pixels) {
+    float longest = 1e-30f;
+    for (const glm::vec2& way : pixels) longest = std::max({longest, std::abs(way.x), std::abs(way.y)});
+    std::vector<glm::vec3> colors;
+    colors.reserve(pixels.size());
+    for (const glm::vec2& p : pixels)
+        colors.emplace_back(kind == AovKind::coordinates ? glm::vec3(glm::fract(p), 0.f)
+                                                         : glm::vec3(0.5f + 0.5f / longest * p, 0.5f));
+    return {width, height, colors};
 }
 
 Image picture_of(AovKind kind, unsigned width, unsigned height, const std::vector<glm::vec3>& pixels) {
+    if (kind == AovKind::place) return {width, height, place_colors(pixels)};
     return {width, height, kind == AovKind::direction ? direction_colors(pixels) : pixels};
 }
 

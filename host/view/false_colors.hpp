@@ -14,8 +14,11 @@ namespace claray::view {
 [[nodiscard]] Image error_map(const std::vector<float>& variances, int width, int height);
 /// Directions as the colours of normal maps: inverts the sRGB curve, so that the stored byte is 127.5 (n + 1).
 [[nodiscard]] std::vector<glm::vec3> direction_colors(const std::vector<glm::vec3>& directions);
+/// Places as colours: where they are in the box around all of them. 0 0 0 is no place, and black.
+[[nodiscard]] std::vector<glm::vec3> place_colors(const std::vector<glm::vec3>& places);
 /// Returns the picture of an AOV: `pixels` as in Aovs.
 [[nodiscard]] Image picture_of(AovKind kind, unsigned width, unsigned height, const std::vector<float>& pixels);
+[[nodiscard]] Image picture_of(AovKind kind, unsigned width, unsigned height, const std::vector<glm::vec2>& pixels);
 [[nodiscard]] Image picture_of(AovKind kind, unsigned width, unsigned height, const std::vector<glm::vec3>& pixels);
 [[nodiscard]] Image picture_of(AovKind kind, unsigned width, unsigned height, const std::vector<std::uint32_t>& pixels);
 /// Returns the picture of the AOV with this name, black if there is none.

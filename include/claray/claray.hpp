@@ -3,9 +3,11 @@
 
 #include "claray/buffer.hpp"
 #include "claray/bvh.hpp"
+#include "claray/cryptomatte.hpp"
 #include "claray/device.hpp"
 #include "claray/effects.hpp"
 #include "claray/error.hpp"
+#include "claray/image/cryptomatte.hpp"
 #include "claray/image/image_error.hpp"
 #include "claray/image/picture.hpp"
 #include "claray/instances.hpp"

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "claray/image/cryptomatte.hpp"
 #include "claray/image/image_format.hpp"
 #include "claray/image/picture.hpp"
 #include "claray/profiler.hpp"
@@ -159,10 +160,16 @@ struct ImageLayer {
     std::vector<float> values = {};           ///< width * height * channels
     std::vector<std::uint32_t> numbers = {};  ///< or these
 };
+/// Names and texts of an EXR's header.
+using ImageAttributes = std::vector<std::pair<std::string, std::string>>;
 /// Writes one EXR with all layers; the channels are called NAME.LETTER, as compositors show them. Throws as
 /// write_image, and ErrorKind::usage if claray was built without OpenEXR.
 void write_exr(const std::filesystem::path& path, unsigned width, unsigned height,
-               const std::vector<ImageLayer>& layers);
+               const std::vector<ImageLayer>& layers, const ImageAttributes& attributes = {});
+/// Returns a Cryptomatte's layers: a picture of it, NAME, and two ranks each in NAME00, NAME01, ...
+[[nodiscard]] std::vector<ImageLayer> layers_of(const Cryptomatte& matte);
+/// Returns what the header must say of it.
+[[nodiscard]] ImageAttributes attributes_of(const Cryptomatte& matte);
 
 /// Writes an image by extension, or in the encoding's format: .png, .jpg and .webp (exposed by stops, tone mapped,
 /// sRGB), .hdr (Radiance RGBE), .pfm or .exr (float32). The last three are linear and ignore exposure and tone map. The

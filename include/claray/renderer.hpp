@@ -88,6 +88,12 @@ struct LightGridConfig {
 /// Parses the output of `to_string`. Throws ErrorKind::usage for an unknown one.
 [[nodiscard]] Approximations parse_approximations(const std::string& text);
 
+/// A part of an image, in pixels from its top left. A width of 0: the whole image.
+struct Region {
+    unsigned x = 0, y = 0, width = 0, height = 0;
+    bool operator==(const Region&) const = default;
+};
+
 struct RenderConfig {
     unsigned width = 512, height = 512;  ///< pixels, 1 to 2^14 each
     unsigned spp = 64;                   ///< samples per pixel at which rendering stops, >= 1
@@ -133,6 +139,23 @@ struct RenderConfig {
     /// overrides must be the same; `spp` may be larger. On the same device, the image is equal bit for bit to an
     /// uninterrupted render.
     std::filesystem::path resume = {};
+    /// Renders these pixels only, with the same bits as the whole image has there: images, AOVs and maps are those of
+    /// the region. Not with adaptive sampling, tile_sum, denoising or several devices.
+    Region region = {};
+    /// The background is transparent, and Material::role counts. `Renderer::image` is then premultiplied by
+    /// `Renderer::alpha`. The background still lights the scene, and is seen in mirrors and through glass, which is
+    /// opaque. Not with checkpoints or several devices.
+    bool alpha = false;
+    /// Keeps the light of the image by how its first surface sends it to the camera: see Renderer::light_layers. Not
+    /// with alpha, approximations, checkpoints or several devices.
+    bool lobes = false;
+    /// Keeps the light of groups of lights: "NAME=light,light" each. A light is named by the name of a Light or of an
+    /// emissive Material, by its number as "light:N" or "material:N", or as "sky", which is sky and environment.
+    std::vector<std::string> light_groups = {};
+
+    /// Those of the images that are rendered.
+    [[nodiscard]] unsigned image_width() const { return region.width > 0 ? region.width : width; }
+    [[nodiscard]] unsigned image_height() const { return region.width > 0 ? region.height : height; }
 };
 
 /// Progress of a render.
@@ -203,6 +226,10 @@ namespace aov_kinds {
 using distance = float;
 using direction = glm::vec3;
 using color = glm::vec3;
+using place = glm::vec3;
+using coordinates = glm::vec2;
+using movement = glm::vec2;
+using share = float;
 using identifier = std::uint32_t;
 using count = std::uint32_t;
 }  // namespace aov_kinds
@@ -216,7 +243,7 @@ struct Aovs {
 };
 
 /// How a picture shows an AOV.
-enum class AovKind { distance, direction, color, identifier, count };
+enum class AovKind { distance, share, direction, color, place, coordinates, movement, identifier, count };
 
 struct AovRow {
     const char* name;
@@ -228,6 +255,12 @@ inline constexpr AovRow aov_rows[] = {
 #define CLARAY_ROW(name, kind, letters, meaning) {#name, AovKind::kind, letters, meaning},
     CLARAY_AOVS(CLARAY_ROW)
 #undef CLARAY_ROW
+};
+
+/// A layer of the light of an image.
+struct LightLayer {
+    std::string name;
+    std::vector<glm::vec3> pixels;  ///< row by row from the top left
 };
 
 /// Calls visit(const AovRow&, pixels) for each AOV; `pixels` is the member of `aovs`.
@@ -328,6 +361,11 @@ public:
     /// Returns the image without a copy, for programs that need it in every frame. The memory belongs to the renderer
     /// and holds the image until the next call of this or of `image`. Blocks.
     [[nodiscard]] std::span<const glm::vec3> radiance(unsigned width = 0, unsigned height = 0) const;
+    /// Returns the alpha of each pixel, 0 to 1: the share of its camera rays that meet a surface first, as
+    /// Material::role says. A shadow catcher counts with 1 - (light with the other surfaces / light without them), by
+    /// the colour that loses most. What other colours lose less is in the image. All 1 without RenderConfig::alpha.
+    /// Blocks.
+    [[nodiscard]] std::vector<float> alpha() const;
     /// Returns the image with exposure, tone map and the sRGB curve: red, green, blue and 255 per pixel, the same bytes
     /// as write_image stores. The memory belongs to the renderer and holds the picture until the next call. Blocks.
     [[nodiscard]] std::span<const std::uint8_t> picture(const PictureConfig& config = {}) const;
@@ -360,6 +398,11 @@ public:
     [[nodiscard]] std::string why_unguided() const;
     /// Returns per-pixel data of the first visible surface, row by row from the top left. Blocks.
     [[nodiscard]] Aovs aovs() const;
+    /// Returns the layers of RenderConfig::lobes, "lobe_NAME" for each row of claray/shared/lists/lobes.h, and of
+    /// RenderConfig::light_groups, "light_NAME". "lobe_rest" is the image minus the sum of all lobes, which is
+    /// rounding; "light_rest" has the light of no group, too. So the sum of the lobes is the image, and so is that of
+    /// the groups. Blocks. Throws ErrorKind::usage if the configuration asks for neither.
+    [[nodiscard]] std::vector<LightLayer> light_layers() const;
     /// Returns the albedo of the surface in the voxel that each pixel's centre shows, for LightGridConfig::voxels.
     /// Throws ErrorKind::usage without it. Blocks.
     [[nodiscard]] std::vector<glm::vec3> voxels() const;

@@ -58,6 +58,14 @@ enum class AlphaMode : std::uint32_t {
 /// The masks that exist: those whose opacity is ... `alpha_cutoff`. glTF has only greater_equal.
 enum class AlphaTest : std::uint32_t { greater_equal, greater, less, less_equal, equal, not_equal };
 
+/// What a camera ray that meets the surface first adds to an image with alpha (RenderConfig::alpha). Light and other
+/// rays meet it like any other.
+enum class MaterialRole : std::uint32_t {
+    surface,        ///< its light, and an alpha of 1
+    holdout,        ///< nothing: what is behind it is cut out, too
+    shadow_catcher  ///< only what the other surfaces change of its light, by alpha and colour
+};
+
 /// Surface properties. Colours are linear Rec. 709. A texture multiplies the corresponding value.
 struct Material {
     std::string name = {};
@@ -96,6 +104,7 @@ struct Material {
     float alpha_cutoff = 0.5f;
     AlphaTest alpha_test = AlphaTest::greater_equal;
     bool cull_back = false;  ///< rays pass through the back (glTF: doubleSided = false); ignored for solid glass
+    MaterialRole role = MaterialRole::surface;  ///< in images with alpha
 
     TextureUse albedo_map = {};               ///< RGB; its alpha multiplies the opacity
     TextureUse emission_map = {};             ///< RGB
@@ -241,11 +250,18 @@ inline constexpr ProjectionTraits projections[] = {
     return nullptr;
 }
 
+/// Two images of one camera, one for each eye, in one image.
+enum class Stereo : std::uint32_t {
+    none,
+    side_by_side,  ///< the left eye's image is the left half
+    top_bottom     ///< the left eye's image is the upper half
+};
+
 struct Camera {
     glm::vec3 position{0.f, 0.f, 5.f};
     glm::vec3 target{0.f};
     glm::vec3 up{0.f, 1.f, 0.f};
-    float vertical_fov = 40.f;    ///< degrees; of a perspective camera
+    float vertical_fov = 40.f;    ///< degrees, below 180; of a fisheye from edge to edge, up to 360
     float aperture_radius = 0.f;  ///< radius of a thin lens, in units of the scene; 0: a pinhole
     float focus_distance = 0.f;   ///< distance of the sharp plane along the view; 0: that of the target
     std::optional<glm::vec3> position_end = {}, target_end = {};  ///< at shutter close, if the camera moves
@@ -253,6 +269,16 @@ struct Camera {
     /// Height of the image in units of the scene, if all rays are parallel; they start in the plane through the
     /// position.
     float orthographic_height = 2.f;
+    /// Lens shift of a perspective camera: moves what is seen, in parts of the image's width to the right and of its
+    /// height upwards. Parallel lines stay parallel. Not for cameras that move.
+    glm::vec2 shift{0.f};
+    /// Degrees by which the sharp plane of a lens is turned, below 90. x: round the image's x axis, so that its top
+    /// goes away. y: round its y axis, so that its right goes away. Not for cameras that move.
+    glm::vec2 tilt{0.f};
+    /// Eyes look along parallel axes; both see what is at the target's distance at the same place. A panorama's eyes
+    /// turn with its columns (omnidirectional stereo). Not for cameras that move.
+    Stereo stereo = Stereo::none;
+    float eye_distance = 0.064f;  ///< between the eyes, in units of the scene
 };
 
 /// A mesh placed in the scene.

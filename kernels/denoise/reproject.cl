@@ -8,7 +8,8 @@ static inline bool seen_at(FilterStep step, const CameraData* c, float3 point, f
     const float3 right = (float3)(c->right_x, c->right_y, c->right_z), up = (float3)(c->up_x, c->up_y, c->up_z);
     const float3 to = point - (float3)(c->x, c->y, c->z);
     const float ahead = dot_product(to, (float3)(c->forward_x, c->forward_y, c->forward_z));
-    const ProjectionPlace at = place_in_image(c->projection, dot_product(to, right) / dot_product(right, right), dot_product(to, up) / dot_product(up, up), ahead);
+    const ProjectionPlace at = place_in_any(c->projection, dot_product(to, right) / dot_product(right, right), dot_product(to, up) / dot_product(up, up), ahead,
+                                            c->half_width, c->half_height);
     *pixel = (float2)(0.5f * (at.x + 1.0f) * (float)step.width - 0.5f, 0.5f * (1.0f - at.y) * (float)step.height - 0.5f);
     *distance = has_parallel_rays(c->projection) ? ahead : length_of(to);
     return at.seen != 0u;

@@ -1,5 +1,6 @@
 // The stage between two traces: shades hits (shade_hit.clh).
 #include "claray/shared/lists/effects.h"
+#include "render/layers/light_layers.clh"
 #include "render/queues/ray_list.clh"
 #include "render/queues/segments.clh"
 #include "render/shade_hit.clh"
@@ -14,8 +15,13 @@
 #define SIXTEEN 1  // 1: sixteen rays at once if the scene allows it
 #endif
 
-/// 1: hits are shaded in groups, one stage after the other. Without optimization PoCL takes minutes to compile this.
+/// 1: hits are shaded in groups, one stage after the other. Without optimization PoCL takes minutes to compile this. Light is split hit
+/// by hit.
+#if LIGHT_LAYERS
+#define SHADE_GROUPS 0
+#else
 #define SHADE_GROUPS (CLARAY_CPU && !CLARAY_UNOPTIMIZED && !SHADE_SIXTEEN)
+#endif
 /// Turn rows of CLARAY_EFFECTS into terms of conditions: the scene has an effect without that form for sixteen rays.
 #define CLARAY_NOT_SHADED(name, text, MACRO, bit, stages, lanes, traits) || (!((lanes) & CLARAY_LANES_SHADE) && MACRO)
 #define CLARAY_NOT_LISTED(name, text, MACRO, bit, stages, lanes, traits) || (!((lanes) & CLARAY_LANES_LISTS) && MACRO)
@@ -72,6 +78,9 @@ static inline void shade_ray(const Step* step, SCENE_PARAMETERS, global RayQueue
     if (PATH_GUIDE && teaches(&step->frame, depth)) note_light_before(step, state.path, radiance);
     shade_hit(step, depth, SCENE, segment, hits[i], state, radiance + 3 * (size_t)room, &gathered, &shaded->next, &shaded->shadow);
     add_gathered(gathered, state.path, radiance);
+#if LIGHT_LAYERS
+    split_light(step, SCENE, segment, hits[i], state, gathered, &shaded->next, &shaded->shadow, radiance);
+#endif
     note_next(step, state.path, &shaded->next, radiance);
 }
 

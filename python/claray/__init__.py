@@ -16,7 +16,7 @@ from ._bvh import Bvh
 from ._device import Device, Event, default_device, devices
 from ._explain import explain
 from ._filter import Filter, geometry_range
-from ._image import Image, false_color, identifier_color, image_error
+from ._image import Cryptomatte, Image, false_color, identifier_color, image_error
 from ._instances import InstancedBvh
 from ._levels import FlatInstances, Instances, flatten
 from ._lists import Lists, all_hits, box_overlaps, count_hits, nearest_hits, sphere_overlaps
@@ -37,7 +37,7 @@ __version__: str = _native.version
 
 __all__ = [
     "GBUFFER", "HIT", "INSTANCE_HIT", "MISS", "NEAREST", "NEAREST64", "RAY", "Benchmark", "Bvh", "BvhOptions", "Camera",
-    "Device", "DeviceError", "Environment", "Error", "Event", "Filter", "FlatInstances", "GBuffer", "Image", "ImageError",
+    "Cryptomatte", "Device", "DeviceError", "Environment", "Error", "Event", "Filter", "FlatInstances", "GBuffer", "Image", "ImageError",
     "InputError", "InstancedBvh", "Instances", "Light", "LightGridOptions", "LightMapOptions", "Lists", "LoadOptions",
     "Material", "MeshArrays", "Primitives", "Query", "Rays", "RenderOptions", "RenderProgress", "RenderStatistics", "Renderer", "Scene",
     "Study", "Texture", "TextureUse", "UsageError", "accuracy", "add_bsdf", "all_hits", "animation_seconds", "any_hit",

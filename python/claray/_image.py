@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import struct
 import zlib
+from dataclasses import dataclass
 from typing import Any, Mapping, cast
 
 import numpy as np
@@ -16,7 +17,28 @@ from ._options import ToneMap
 from ._values import ImageError
 from .errors import UsageError
 
-_CHANNELS = {"depth": "Z", "normal": "XYZ"}
+_CHANNELS = {"depth": "Z", "normal": "XYZ", "position": "XYZ", "uv": "UV", "motion": "XY"}
+
+
+@dataclass(frozen=True)
+class Cryptomatte:
+    """Which surfaces each pixel shows: a layer of an EXR from which compositors make masks (Psyop's Cryptomatte specification 1.2.0).
+
+    name: of the layer. ids, coverage: float32 (height, width, ranks), the largest part of each pixel first; 0 where there are fewer.
+    manifest: the hash of each name.
+    """
+
+    name: str
+    ids: NDArray[np.float32]
+    coverage: NDArray[np.float32]
+    manifest: dict[str, int]
+
+    def mask(self, *names: str) -> NDArray[np.float32]:
+        """The share of each pixel that shows things of these names, (height, width). Raises UsageError for a name that is not there."""
+        if unknown := [name for name in names if name not in self.manifest]:
+            raise UsageError(f"names: there is no {unknown[0]!r}; there are {', '.join(self.manifest)}")
+        ids = np.array([_native.matte_id(self.manifest[name]) for name in names], np.float32)
+        return np.where(np.isin(self.ids, ids), self.coverage, np.float32(0)).sum(axis=-1, dtype=np.float32)
 
 
 class Image(np.ndarray):
@@ -52,11 +74,11 @@ class Image(np.ndarray):
                 self.tone_map if tone_map is None else text("tone_map", tone_map))
 
     def save(self, path: str | os.PathLike[str], exposure: float | None = None, tone_map: ToneMap | None = None, *,
-             layers: Mapping[str, ArrayLike] | None = None) -> None:
+             layers: Mapping[str, ArrayLike | Cryptomatte] | None = None) -> None:
         """Writes .png, .jpg, .webp (tone mapped), .hdr, .pfm or .exr (linear) by the extension.
 
-        layers: of an EXR, by their names, such as Renderer.aovs(): (height, width) or (height, width, 3) floats or integers. Raises
-        InputError if the file cannot be written.
+        layers: of an EXR, by their names, such as Renderer.aovs(): (height, width) or (height, width, channels) floats or integers, or
+        a Cryptomatte, which has its own name. Raises InputError if the file cannot be written.
         """
         name = path_of("path", path)
         if layers is None:
@@ -65,9 +87,11 @@ class Image(np.ndarray):
         if not name.lower().endswith(".exr"):
             raise UsageError(f"layers: {name} cannot hold layers; use a file .exr")
         height, width, _ = self.shape
-        given = [_layer(layer, array, (height, width)) for layer, array in {"": self, **layers}.items()]
+        all_layers: dict[str, Any] = {"": self, **layers}
+        mattes = [_matte(layer, matte, (height, width)) for layer, matte in all_layers.items() if isinstance(matte, Cryptomatte)]
+        given = [_layer(layer, array, (height, width)) for layer, array in all_layers.items() if not isinstance(array, Cryptomatte)]
         _native.save_exr(name, width, height, [one for one in given if one[2].dtype == np.float32],
-                         [one for one in given if one[2].dtype == np.uint32])
+                         [one for one in given if one[2].dtype == np.uint32], mattes)
 
     def _repr_png_(self) -> bytes | None:
         if self.ndim != 3 or self.shape[2] != 3 or self.size == 0:
@@ -80,11 +104,20 @@ def _layer(name: str, value: Any, size: tuple[int, int]) -> tuple[str, str, NDAr
     array = as_array(f"layers[{name!r}]", value)
     if array.ndim == 2:
         array = array[..., None]
-    if array.dtype.kind not in "fiub" or array.shape[:2] != size or array.shape[2:] not in ((1,), (3,)):
+    if array.dtype.kind not in "fiub" or array.shape[:2] != size or array.shape[2:] not in ((1,), (2,), (3,), (4,)):
         raise UsageError(f"layers[{name!r}]: has dtype {array.dtype} and shape {array.shape}; use numbers of shape {size} or {(*size, 3)}")
-    letters = _CHANNELS.get(name, "RGB" if array.shape[2:] == (3,) else "X" if array.dtype.kind in "iub" else "Y")
+    count = array.shape[2]
+    letters = "X" if count == 1 and array.dtype.kind in "iub" else ("Y", "XY", "RGB", "RGBA")[count - 1]
+    if len(_CHANNELS.get(name, "")) == count:
+        letters = _CHANNELS[name]
     kind = np.float32 if array.dtype.kind == "f" else np.uint32
     return name, letters, np.ascontiguousarray(array, kind).view(np.ndarray)
+
+
+def _matte(name: str, matte: Cryptomatte, size: tuple[int, int]) -> tuple[str, NDArray[np.float32], list[str]]:
+    if matte.ids.shape != matte.coverage.shape or matte.ids.shape[:2] != size or matte.ids.shape[2] % 2:
+        raise UsageError(f"layers[{name!r}]: is a Cryptomatte of shape {matte.ids.shape}; use one of {size} with an even number of ranks")
+    return matte.name, np.stack([matte.ids, matte.coverage], axis=-1), list(matte.manifest)
 
 
 def pixels_of(name: str, value: Any) -> NDArray[np.float32]:

@@ -63,6 +63,10 @@ class RenderOptions(TypedDict, total=False):
     bvh: how the tree is built. parts: so many trees, by space; 0: as many as the memory requires. effects: for experiments,
     effects that are compiled in or removed, "+textures,-sky". approximate: cheaper answers, one or several names. light_grid:
     of the approximation "light-grid". compiler: the program `claray`, to compile kernels in the background.
+    region: left, top, width and height of the pixels that are rendered, with the bits of the whole image; images have its size.
+    lobes, light_groups: layers of the image's light, see light_layers(). light_groups: the names of lights and of emissive materials of
+    each group, "light:3", "material:0" or "sky".
+    alpha: the background is transparent, and images are premultiplied by `alpha()`; see Material.role.
     checkpoint: a file that is written each checkpoint_seconds, and at the end. resume: a checkpoint from which to continue.
     """
 
@@ -88,6 +92,10 @@ class RenderOptions(TypedDict, total=False):
     checkpoint: AnyPath
     checkpoint_seconds: float
     resume: AnyPath
+    region: tuple[int, int, int, int]
+    alpha: bool
+    lobes: bool
+    light_groups: Mapping[str, Sequence[str]]
 
 
 class LightMapOptions(TypedDict, total=False):
@@ -206,6 +214,8 @@ def set_option(native: Any, key: str, value: Any, of: str, path: str) -> None:
     if type_name.startswith("Native"):
         _set_inner(current, value, of, path)
         return
+    if key == "light_groups":
+        value = _groups_of(value)
     is_path = isinstance(current, os.PathLike)
     try:
         if is_path:
@@ -216,6 +226,14 @@ def set_option(native: Any, key: str, value: Any, of: str, path: str) -> None:
     except (TypeError, OverflowError):
         kind = {"str": "a text", "bool": "True or False"}.get(type_name, "a path" if is_path else "a number")
         raise UsageError(f"{path}: {value!r} is not {kind} of this option's type and range") from None
+
+
+def _groups_of(value: Any) -> list[str]:
+    """The texts of RenderConfig::light_groups."""
+    if not isinstance(value, Mapping):
+        raise UsageError(f"light_groups: is {value!r}; use a dict of names and lists of lights")
+    groups = cast("Mapping[Any, Any]", value)
+    return [f"{name}={names_of(f'light_groups[{name!r}]', lights)}" for name, lights in groups.items()]
 
 
 def _set_inner(native: Any, options: Any, of: str, path: str) -> None:

@@ -24,9 +24,11 @@ if TYPE_CHECKING:
 
 MaterialKind = Literal["lambert", "mirror", "glass", "metal", "blinn-phong", "principled", "unlit", "oren-nayar", "custom"]
 LightKind = Literal["point", "spot", "directional", "sun"]
-Projection = Literal["perspective", "orthographic", "panorama"]
+Projection = Literal["perspective", "orthographic", "panorama", "cube", "fisheye", "equisolid"]
 AlphaMode = Literal["opaque", "mask", "blend"]
 AlphaTest = Literal[">=", ">", "<", "<=", "==", "!="]
+MaterialRole = Literal["surface", "holdout", "shadow-catcher"]
+Stereo = Literal["none", "side-by-side", "top-bottom"]
 Numbers = Union[Sequence[float], NDArray[Any]]
 Vector2 = tuple[float, float]
 Vector3 = tuple[float, float, float]
@@ -224,6 +226,7 @@ class Material(Record):
     alpha_cutoff: Number = Property("of masks")
     alpha_test: Property[AlphaTest, AlphaTest] = Property("opacity ... alpha_cutoff; glTF: >=")
     cull_back: Flag = Property("rays pass through the back")
+    role: Property[MaterialRole, MaterialRole] = Property("what it shows in images with alpha")
     albedo_map: MapProperty = MapProperty("RGB; its alpha multiplies the opacity")
     emission_map: MapProperty = MapProperty("RGB")
     metallic_roughness_map: MapProperty = MapProperty("green: roughness, blue: metallic")
@@ -278,13 +281,17 @@ class Camera(Record):
     position: Three = Property()
     target: Three = Property()
     up: Three = Property()
-    vertical_fov: Number = Property("degrees, of a perspective camera")
+    vertical_fov: Number = Property("degrees, of a perspective camera or a fisheye")
     aperture_radius: Number = Property("of a thin lens; 0: a pinhole")
     focus_distance: Number = Property("of the sharp plane along the view; 0: that of the target")
     position_end: Property["Vector3 | None", "Numbers | None"] = Property("at shutter close, if the camera moves")
     target_end: Property["Vector3 | None", "Numbers | None"] = Property("at shutter close, if it moves")
     projection: Property[Projection, Projection] = Property()
     orthographic_height: Number = Property("of the image; setting it makes rays parallel")
+    shift: Two = Property("of a perspective lens, in parts of the image's width and height")
+    tilt: Two = Property("degrees by which the sharp plane is turned: its top goes away, its right goes away")
+    stereo: Property[Stereo, Stereo] = Property("the images of two eyes in one")
+    eye_distance: Number = Property("between the eyes, in units of the scene")
 
     def _set(self, name: str, value: Any) -> None:
         super()._set(name, value)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from typing import Any, Sequence, Union, cast
+from typing import Any, Literal, Sequence, Union, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,7 +12,7 @@ from . import _native
 from ._arrays import flag, integer, names_of, naming, number, output, text
 from ._device import AnyDevice, Device, device_of
 from ._handle import Handle, warn
-from ._image import Image, pixels_of
+from ._image import Cryptomatte, Image, pixels_of
 from ._options import (BvhOptions, Denoiser, DeviceShare, NormalPacking, RenderOptions, RenderProgress, RenderStatistics, ToneMap,
                        config_of)
 from ._progress import Progress, Report, reports
@@ -150,6 +150,11 @@ class Renderer(Handle):
         native.image(pixels.view(np.ndarray))
         return pixels.view(Image)
 
+    def alpha(self) -> NDArray[np.float32]:
+        """The alpha of each pixel, (height, width), by which image() is premultiplied: the share of its camera rays that meet a surface
+        first, as Material.role says. All 1 without the option `alpha`. Renders first if nothing is rendered yet."""
+        return cast("NDArray[np.float32]", self._rendered_once().alpha())
+
     def picture(self, *, exposure: float = 0.0, tone_map: ToneMap = "aces", width: int = 0, height: int = 0,
                 denoise: bool = False) -> NDArray[np.uint8]:
         """The image as uint8 (height, width, 3), converted on the device: exposure in stops, tone map "aces" or "none", sRGB. Renders first
@@ -177,9 +182,29 @@ class Renderer(Handle):
         return cast(RenderStatistics, self._native.statistics())
 
     def aovs(self) -> dict[str, NDArray[Any]]:
-        """Of the first surface at each pixel's centre: 'depth' (distance, inf: nothing), 'normal', 'albedo', 'primitive'
-        and 'material' (numbers; MISS: nothing), and 'heat' (boxes and triangles tested), each (height, width) or (height, width, 3)."""
+        """Of the first surface at each pixel's centre: 'depth' (distance, inf: nothing), 'normal', 'albedo', 'primitive',
+        'material', 'object' and 'instance' (numbers; MISS: nothing), 'heat' (boxes and triangles tested), 'position', 'uv',
+        'roughness', 'emission' and 'motion' (pixels right and down until shutter close). docs/formats.md says more. Each has the
+        shape (height, width) or (height, width, channels)."""
         return cast("dict[str, NDArray[Any]]", self._native.aovs())
+
+    def cryptomatte(self, kind: Literal["object", "material", "asset"] = "object", samples: int = 64) -> Cryptomatte:
+        """Which surfaces each pixel shows, and how much each covers, by so many camera rays per pixel.
+
+        kind: "object" tells instances apart by their names, and in scenes without instances meshes; "material" tells materials apart,
+        "asset" meshes, however often each is shown. Things of one name are one. Save it by Image.save(layers=...).
+        """
+        name, parts, manifest = self._native.cryptomatte(text("kind", kind), integer("samples", samples, 1, 2**24))
+        return Cryptomatte(name, parts[..., 0].copy(), parts[..., 1].copy(), manifest)
+
+    def light_layers(self) -> dict[str, NDArray[np.float32]]:
+        """The light of the image in layers, (height, width, 3) each. Renders first if nothing is rendered yet.
+
+        With the option `lobes`: 'lobe_emission', 'lobe_environment', and 'lobe_diffuse_direct' and so on, by how the first surface sends
+        light to the camera. With `light_groups`: 'light_NAME' of each group, and 'light_rest' of all other lights. The sum of the lobes is
+        the image; 'lobe_rest' is what rounding loses. The sum of the groups is the image, too.
+        """
+        return cast("dict[str, NDArray[np.float32]]", self._rendered_once().light_layers())
 
     def gbuffer(self, normals: NormalPacking = "octahedral") -> GBuffer:
         """The surfaces of aovs() in 12 bytes per pixel, as deferred renderers keep them. normals: how they are packed."""

@@ -18,6 +18,11 @@ inline constexpr Named<AlphaMode> alpha_modes[] = {
 inline constexpr Named<AlphaTest> alpha_tests[] = {{AlphaTest::greater_equal, ">="}, {AlphaTest::greater, ">"},
                                                    {AlphaTest::less, "<"},           {AlphaTest::less_equal, "<="},
                                                    {AlphaTest::equal, "=="},         {AlphaTest::not_equal, "!="}};
+inline constexpr Named<MaterialRole> roles[] = {{MaterialRole::surface, "surface"},
+                                                {MaterialRole::holdout, "holdout"},
+                                                {MaterialRole::shadow_catcher, "shadow-catcher"}};
+inline constexpr Named<Stereo> stereos[] = {
+    {Stereo::none, "none"}, {Stereo::side_by_side, "side-by-side"}, {Stereo::top_bottom, "top-bottom"}};
 inline constexpr Named<MaterialKind> custom_kind = {MaterialKind::custom, "custom"};
 
 /// A new member does not compile here. Bind it below; a test then asks for it in python/claray/_records.py.
@@ -26,11 +31,11 @@ inline constexpr Named<MaterialKind> custom_kind = {MaterialKind::custom, "custo
                             clearcoat, clearcoat_roughness, specular, specular_weight, specular_tint, sheen,
                             sheen_roughness, anisotropy, anisotropy_rotation, iridescence, iridescence_ior,
                             film_thickness, attenuation, attenuation_distance, opacity, alpha_mode, alpha_cutoff,
-                            alpha_test, cull_back, albedo_map, emission_map, metallic_roughness_map, transmission_map,
-                            clearcoat_map, clearcoat_roughness_map, clearcoat_normal_map, clearcoat_normal_scale,
-                            specular_map, specular_weight_map, shininess_map, sheen_map, sheen_roughness_map,
-                            anisotropy_map, iridescence_map, film_thickness_map, opacity_map, normal_map, normal_scale,
-                            height_map, height_scale, light_map, custom,
+                            alpha_test, cull_back, role, albedo_map, emission_map, metallic_roughness_map,
+                            transmission_map, clearcoat_map, clearcoat_roughness_map, clearcoat_normal_map,
+                            clearcoat_normal_scale, specular_map, specular_weight_map, shininess_map, sheen_map,
+                            sheen_roughness_map, anisotropy_map, iridescence_map, film_thickness_map, opacity_map,
+                            normal_map, normal_scale, height_map, height_scale, light_map, custom,
                             parameters
 #define CLARAY_ROW(member, text, standard, check) , member
                                 CLARAY_BSDF_PARAMETERS(CLARAY_ROW)
@@ -39,7 +44,7 @@ inline constexpr Named<MaterialKind> custom_kind = {MaterialKind::custom, "custo
     [[maybe_unused]] auto& [light_name, light_kind, position, direction, intensity, inner_angle, outer_angle, range,
                             falloff, linear_range] = light;
     [[maybe_unused]] auto& [eye, target, up, vertical_fov, aperture_radius, focus_distance, position_end, target_end,
-                            projection, orthographic_height] = camera;
+                            projection, orthographic_height, shift, tilt, stereo, eye_distance] = camera;
 }
 
 MaterialKind material_kind_called(const std::string& name) {
@@ -110,6 +115,7 @@ void bind_material(nb::module_& module) {
         .def_rw("parameters", &Material::parameters);
     def_named(material, "alpha_mode", &Material::alpha_mode, alpha_modes);
     def_named(material, "alpha_test", &Material::alpha_test, alpha_tests);
+    def_named(material, "role", &Material::role, roles);
     bind_maps(material);
 #define CLARAY_ROW(name, text, standard, check) material.def_rw(#name, &Material::name);
     CLARAY_BSDF_PARAMETERS(CLARAY_ROW)
@@ -135,8 +141,8 @@ void bind_light(nb::module_& module) {
 }
 
 void bind_camera(nb::module_& module) {
-    nb::class_<Camera>(module, "NativeCamera")
-        .def(nb::init<>())
+    nb::class_<Camera> camera(module, "NativeCamera");
+    camera.def(nb::init<>())
         .def("copy", [](const Camera& from) { return Camera(from); })
         .def("orbited", [](const Camera& from, float degrees) { return orbited(from, degrees); })
         .def_rw("position", &Camera::position)
@@ -150,7 +156,11 @@ void bind_camera(nb::module_& module) {
         .def_prop_rw(
             "projection", [](const Camera& c) { return name_in(projections, c.projection); },
             [](Camera& c, const std::string& name) { c.projection = kind_of("projection", name, projections); })
-        .def_rw("orthographic_height", &Camera::orthographic_height);
+        .def_rw("orthographic_height", &Camera::orthographic_height)
+        .def_rw("shift", &Camera::shift)
+        .def_rw("tilt", &Camera::tilt)
+        .def_rw("eye_distance", &Camera::eye_distance);
+    def_named(camera, "stereo", &Camera::stereo, stereos);
 }
 
 }  // namespace
@@ -166,6 +176,8 @@ void bind_records(nb::module_& module) {
         names["Projection"] = names_of(projections);
         names["AlphaMode"] = names_of(alpha_modes);
         names["AlphaTest"] = names_of(alpha_tests);
+        names["MaterialRole"] = names_of(roles);
+        names["Stereo"] = names_of(stereos);
         return names;
     });
     module.def("add_bsdf", [](const std::string& name, const std::string& source, std::uint32_t parameters) {

@@ -4,6 +4,10 @@
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <tuple>
 
 #include "handles.hpp"
 #include "structures.hpp"
@@ -16,7 +20,8 @@ namespace {
 [[maybe_unused]] void name_all_members(RenderConfig& config, LightMapConfig& light_map) {
     [[maybe_unused]] auto& [width, height, spp, max_depth, sample_clamp, seed, seconds, noise, error, adaptive, guide,
                             report_seconds, sampler, bvh, parts, effects, approximate, light_grid, compiler, checkpoint,
-                            checkpoint_seconds, resume] = config;
+                            checkpoint_seconds, resume, region, alpha, lobes, light_groups] = config;
+    [[maybe_unused]] auto& [x, y, region_width, region_height] = region;
     [[maybe_unused]] auto& [builder, morton_bits, layout, split_budget, max_leaf_triangles, learns] = bvh;
     [[maybe_unused]] auto& [voxels, side, coefficients, levels, gather, rays, updates] = light_grid;
     [[maybe_unused]] auto& [w, h, paths, depth, first_seed, uv_set, by, tree] = light_map;
@@ -115,6 +120,15 @@ void bind_render_config(nb::module_& module) {
             })
         .def_rw("light_grid", &RenderConfig::light_grid)
         .def_rw("compiler", &RenderConfig::compiler)
+        .def_prop_rw(
+            "region",
+            [](const RenderConfig& c) { return std::tuple(c.region.x, c.region.y, c.region.width, c.region.height); },
+            [](RenderConfig& c, const std::tuple<unsigned, unsigned, unsigned, unsigned>& region) {
+                std::tie(c.region.x, c.region.y, c.region.width, c.region.height) = region;
+            })
+        .def_rw("alpha", &RenderConfig::alpha)
+        .def_rw("lobes", &RenderConfig::lobes)
+        .def_rw("light_groups", &RenderConfig::light_groups)
         .def_rw("checkpoint", &RenderConfig::checkpoint,
                 nb::for_setter(nb::sig("def checkpoint(self, path: str | os.PathLike[str], /) -> None")))
         .def_rw("checkpoint_seconds", &RenderConfig::checkpoint_seconds)

@@ -1,6 +1,7 @@
 // The names of what a render can be asked for.
 #pragma once
 
+#include "claray/image/cryptomatte.hpp"
 #include "claray/renderer.hpp"
 #include "names.hpp"
 
@@ -12,6 +13,8 @@ inline constexpr Named<DenoiserKind> denoisers[] = {
 inline constexpr Named<ToneMap> tone_maps[] = {{ToneMap::aces, "aces"}, {ToneMap::none, "none"}};
 inline constexpr Named<Layout> layouts[] = {
     {Layout::automatic, "automatic"}, {Layout::binary, "binary"}, {Layout::wide, "wide"}};
+inline constexpr Named<MatteKind> matte_kinds[] = {
+    {MatteKind::object, "object"}, {MatteKind::material, "material"}, {MatteKind::asset, "asset"}};
 inline constexpr Named<NormalPacking> normal_packings[] = {{NormalPacking::octahedral, "octahedral"},
                                                            {NormalPacking::spherical, "spherical"}};
 inline constexpr Named<KernelStart> kernel_starts[] = {

@@ -11,6 +11,7 @@
 
 #include "arrays.hpp"
 #include "callback.hpp"
+#include "claray/cryptomatte.hpp"
 #include "claray/scale/render_group.hpp"
 #include "render_config.hpp"
 #include "structures.hpp"
@@ -40,7 +41,7 @@ struct PyRenderer {
 PyRenderer make_renderer(const std::vector<PyDevice>& devices, const Scene& scene, const RenderConfig& config) {
     return without_gil(devices, [&] {
         PyRenderer self;
-        self.devices = devices, self.width = config.width, self.height = config.height;
+        self.devices = devices, self.width = config.image_width(), self.height = config.image_height();
         if (devices.size() == 1) {
             self.alone.emplace(Renderer(devices[0].device, scene, config));
             return self;
@@ -120,14 +121,32 @@ nb::object picture(PyRenderer& self, float exposure, const std::string& tone_map
 
 Dict aovs(PyRenderer& self) {
     Aovs all = without_gil(self.devices, [&] { return self.renderer().aovs(); });
-    const std::vector<std::size_t> one = {self.height, self.width}, three = {self.height, self.width, 3};
     nb::dict dict;
     for_each_aov(all, [&](const AovRow& row, auto& pixels) {
         using Pixel = typename std::remove_reference_t<decltype(pixels)>::value_type;
         using Word = std::conditional_t<std::is_same_v<Pixel, std::uint32_t>, std::uint32_t, float>;
-        dict[row.name] = array_of<Word>(std::move(pixels), sizeof(Pixel) == sizeof(Word) ? one : three);
+        std::vector<std::size_t> shape = {self.height, self.width};
+        if (sizeof(Pixel) != sizeof(Word)) shape.push_back(sizeof(Pixel) / sizeof(Word));
+        dict[row.name] = array_of<Word>(std::move(pixels), shape);
     });
     return dict;
+}
+
+Dict light_layers(PyRenderer& self) {
+    std::vector<LightLayer> layers = without_gil(self.devices, [&] { return self.renderer().light_layers(); });
+    nb::dict dict;
+    for (LightLayer& layer : layers) dict[nb::str(layer.name.c_str())] = pixels_of(self, std::move(layer.pixels));
+    return dict;
+}
+
+/// Name, parts (height, width, ranks, 2), names and hashes.
+Tuple cryptomatte_of(PyRenderer& self, const std::string& kind, unsigned samples) {
+    const MatteKind of = kind_of("kind", kind, matte_kinds);
+    Cryptomatte matte = without_gil(self.devices, [&] { return cryptomatte(self.renderer(), of, samples); });
+    nb::dict manifest;
+    for (const auto& [name, hash] : matte.manifest) manifest[nb::str(name.c_str())] = hash;
+    return nb::make_tuple(matte.name,
+                          array_of<float>(std::move(matte.parts), {self.height, self.width, matte.ranks, 2}), manifest);
 }
 
 /// Words of each pixel, normals, positions, and the matrix by rows.
@@ -274,12 +293,15 @@ void bind_renderer(nb::module_& module) {
         .def("release_denoiser", of_lead([](Renderer& r) { r.release_denoiser(); }))
         .def("statistics", &statistics)
         .def("aovs", &aovs)
+        .def("cryptomatte", &cryptomatte_of)
+        .def("light_layers", &light_layers)
         .def("gbuffer", &gbuffer)
         .def("voxels",
              [](PyRenderer& self) {
                  return pixels_of(self, without_gil(self.devices, [&] { return self.renderer().voxels(); }));
              })
         .def("noise_map", [](PyRenderer& self) { return map_of(self, [](Renderer& r) { return r.noise_map(); }); })
+        .def("alpha", [](PyRenderer& self) { return map_of(self, [](Renderer& r) { return r.alpha(); }); })
         .def("error_map", [](PyRenderer& self) { return map_of(self, [](Renderer& r) { return r.error_map(); }); })
         .def("error_of", &error_of)
         .def("cut_off", of_lead([](Renderer& r) { return r.cut_off(); }))

@@ -73,15 +73,32 @@ void save_image(const std::string& path, const Pixels& pixels, float exposure, c
     write_image(path, image_from(pixels), exposure, map);
 }
 
+/// Of the name, the parts (height, width, ranks, 2) and the names that have ids in them.
+using MatteLayer = std::tuple<std::string, Input<float, nb::shape<-1, -1, -1, 2>>, std::vector<std::string>>;
+
+Cryptomatte matte_of(const MatteLayer& given) {
+    const auto& [name, parts, names] = given;
+    Cryptomatte matte{.name = name, .ranks = unsigned(parts.shape(2)), .parts = {}, .manifest = {}};
+    for (std::size_t i = 0; i < parts.size(); i += 2) matte.parts.push_back({parts.data()[i], parts.data()[i + 1]});
+    for (const std::string& one : names) matte.manifest.emplace_back(one, matte_hash(one));
+    return matte;
+}
+
 void save_exr(const std::string& path, unsigned width, unsigned height, const std::vector<FloatLayer>& floats,
-              const std::vector<WordLayer>& words) {
+              const std::vector<WordLayer>& words, const std::vector<MatteLayer>& mattes) {
     std::vector<ImageLayer> layers;
     for (const auto& [name, channels, pixels] : floats)
         layers.push_back({name, channels, {pixels.data(), pixels.data() + pixels.size()}, {}});
     for (const auto& [name, channels, pixels] : words)
         layers.push_back({name, channels, {}, {pixels.data(), pixels.data() + pixels.size()}});
+    ImageAttributes attributes;
+    for (const MatteLayer& given : mattes) {
+        const Cryptomatte matte = matte_of(given);
+        for (ImageLayer& layer : layers_of(matte)) layers.push_back(std::move(layer));
+        for (auto& attribute : attributes_of(matte)) attributes.push_back(std::move(attribute));
+    }
     const nb::gil_scoped_release release;
-    write_exr(path, width, height, layers);
+    write_exr(path, width, height, layers, attributes);
 }
 
 /// PNG in memory is what notebooks show; files get the same bytes.
@@ -115,6 +132,7 @@ std::pair<Environment, std::vector<std::string>> environment_in(const std::strin
 void bind_files(nb::module_& module) {
     module.def("save_image", &save_image);
     module.def("save_exr", &save_exr);
+    module.def("matte_id", [](std::uint32_t hash) { return double(matte_id(hash)); });
     module.def("to_bytes", &to_bytes);
     module.def("image_error", &error_between);
     module.def("load_environment", &environment_in);

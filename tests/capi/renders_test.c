@@ -77,6 +77,34 @@ static void test_size(claray_renderer* renderer) {
     EXPECT(claray_renderer_resize(renderer, width, height) == CLARAY_OK);
 }
 
+static void test_region_and_alpha(claray_device* device, claray_scene* scene) {
+    enum { part_width = 6, part_height = 5, part_pixels = part_width * part_height };
+    claray_renderer* renderer = NULL;
+    float image[3 * part_pixels], alpha[part_pixels], least = 2, most = -1;
+    uint32_t wide = 0, high = 0;
+    STRUCT(claray_material, material);
+    STRUCT(claray_render_config, config);
+    config.width = width, config.height = height, config.spp = 4, config.alpha = 1;
+    config.region[0] = 2, config.region[1] = 3, config.region[2] = part_width, config.region[3] = part_height;
+    EXPECT(claray_renderer_create(device, scene, &config, &renderer) == CLARAY_OK);
+    EXPECT(claray_renderer_render(renderer, NULL, NULL, NULL) == CLARAY_OK);
+    EXPECT(claray_renderer_size(renderer, &wide, &high) == CLARAY_OK && wide == part_width && high == part_height);
+    EXPECT(claray_renderer_image(renderer, image, 3 * part_pixels) == CLARAY_OK);
+    EXPECT(claray_renderer_alpha(renderer, alpha, part_pixels) == CLARAY_OK);
+    for (int i = 0; i < part_pixels; ++i) least = fminf(least, alpha[i]), most = fmaxf(most, alpha[i]);
+    EXPECT(least >= 0 && most <= 1 && most > 0);
+    EXPECT_ERROR(claray_renderer_alpha(renderer, alpha, 3), CLARAY_ERROR_USAGE, "count is 3");
+    EXPECT(claray_scene_material_get(scene, 0, &material) == CLARAY_OK && material.role == CLARAY_ROLE_SURFACE);
+    material.role = CLARAY_ROLE_HOLDOUT;
+    EXPECT(claray_scene_material_set(scene, 0, &material) == CLARAY_OK);
+    EXPECT(claray_scene_material_get(scene, 0, &material) == CLARAY_OK && material.role == CLARAY_ROLE_HOLDOUT);
+    material.role = CLARAY_ROLE_SURFACE;
+    EXPECT(claray_scene_material_set(scene, 0, &material) == CLARAY_OK);
+    claray_renderer_release(renderer);
+    config.region[2] = width;
+    EXPECT_ERROR(claray_renderer_create(device, scene, &config, &renderer), CLARAY_ERROR_USAGE, "not within the image");
+}
+
 static void test_kernels_of_renderer(claray_renderer* renderer) {
     int rebuilt = 7;
     double cut_off = -1;
@@ -195,6 +223,7 @@ void test_renders(claray_device* device) {
     test_config(device, scene);
     test_update(renderer, scene);
     test_size(renderer);
+    test_region_and_alpha(device, scene);
     test_kernels_of_renderer(renderer);
     claray_renderer_release(renderer), claray_scene_release(scene);
 }

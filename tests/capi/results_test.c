@@ -108,6 +108,46 @@ static void test_gbuffer(claray_renderer* renderer) {
                  "count is 3");
 }
 
+static void test_light_layers(claray_device* device, claray_scene* scene, const float* image) {
+    claray_renderer* renderer = NULL;
+    STRUCT(claray_render_config, config);
+    STRUCT(claray_layer_info, info);
+    float group[floats], rest[floats], same[floats];
+    config.width = width, config.height = height, config.spp = 4;
+    config.lobes = 1, config.light_groups = "air=sky";
+    EXPECT(claray_renderer_create(device, scene, &config, &renderer) == CLARAY_OK);
+    EXPECT(claray_renderer_render(renderer, NULL, NULL, NULL) == CLARAY_OK);
+    EXPECT(claray_renderer_image(renderer, same, floats) == CLARAY_OK && memcmp(same, image, sizeof same) == 0);
+    EXPECT(claray_layer_get("lobe_diffuse_direct", &info) == CLARAY_OK && info.channels == 3);
+    EXPECT(claray_renderer_layer(renderer, "lobe_diffuse_direct", group, floats) == CLARAY_OK);
+    EXPECT(claray_renderer_layer(renderer, "light_air", group, floats) == CLARAY_OK);
+    EXPECT(claray_renderer_layer(renderer, "light_rest", rest, floats) == CLARAY_OK);
+    for (int i = 0; i < floats; ++i) EXPECT(fabsf(group[i] + rest[i] - image[i]) <= 1e-6f * (1 + image[i]));
+    EXPECT_ERROR(claray_renderer_layer(renderer, "light_moon", rest, floats), CLARAY_ERROR_USAGE, "does not keep");
+    claray_renderer_release(renderer), renderer = NULL;
+    config.light_groups = "air";
+    EXPECT_ERROR(claray_renderer_create(device, scene, &config, &renderer), CLARAY_ERROR_USAGE, "has no lights");
+}
+
+static void test_cryptomatte(const claray_renderer* renderer) {
+    claray_cryptomatte* matte = NULL;
+    STRUCT(claray_cryptomatte_info, info);
+    EXPECT(claray_cryptomatte_create(renderer, CLARAY_MATTE_MATERIAL, 8, &matte) == CLARAY_OK);
+    EXPECT(claray_cryptomatte_get(matte, &info) == CLARAY_OK && strcmp(info.name, "crypto_material") == 0);
+    EXPECT(info.part_count == (size_t)pixels * info.ranks && info.ranks % 2 == 0);
+    EXPECT(info.parts[1] > 0 && info.parts[1] <= 1);
+    EXPECT(strchr(info.manifest, '{') != NULL && claray_matte_hash("hello") == 0x248bfa47u);
+    EXPECT(claray_matte_id(claray_matte_hash("hello")) > 0);
+    const claray_cryptomatte* mattes[1] = {matte};
+    const claray_status exr = claray_write_exr_with_mattes("capi_matte.exr", width, height, NULL, 0, mattes, 1);
+    EXPECT(exr == CLARAY_OK || strstr(claray_last_error(), "OpenEXR") != NULL);
+    if (exr == CLARAY_OK) remove("capi_matte.exr");
+    claray_cryptomatte_release(matte);
+    EXPECT_ERROR(claray_cryptomatte_create(renderer, (claray_matte)3, 8, &matte), CLARAY_ERROR_USAGE, "kind is 3");
+    EXPECT_ERROR(claray_cryptomatte_create(renderer, CLARAY_MATTE_ASSET, 0, &matte), CLARAY_ERROR_USAGE,
+                 "samples is 0");
+}
+
 static void test_image_files(const float* image) {
     claray_image* loaded = NULL;
     STRUCT(claray_texture, texture);
@@ -207,6 +247,8 @@ void test_results(claray_device* device) {
     test_pictures(renderer, image);
     test_denoisers(renderer, image);
     test_gbuffer(renderer);
+    test_cryptomatte(renderer);
+    test_light_layers(device, scene, image);
     test_image_files(image);
     test_baking(device, scene);
     claray_renderer_release(renderer), claray_scene_release(scene);

@@ -389,8 +389,8 @@ struct ChangedConfig {
 std::vector<ChangedConfig> changed_configs(const std::filesystem::path& checkpoint_file) {
     RenderConfig config{.width = 16, .height = 12, .spp = 2};
     auto& [width, height, spp, max_depth, sample_clamp, seed, seconds, noise, error, adaptive, guide, report_seconds,
-           sampler, bvh, parts, effects, approximate, light_grid, compiler, checkpoint, checkpoint_seconds, resume] =
-        config;
+           sampler, bvh, parts, effects, approximate, light_grid, compiler, checkpoint, checkpoint_seconds, resume,
+           region, alpha, lobes, light_groups] = config;
     auto& [builder, morton_bits, layout, split_budget, max_leaf_triangles, learns] = bvh;
     auto& [add, remove] = effects;
     auto& [tile_sum, uses_light_grid, flat, gouraud, no_shadows] = approximate;
@@ -420,6 +420,8 @@ std::vector<ChangedConfig> changed_configs(const std::filesystem::path& checkpoi
     change("light_grid.gather", gather, 1u), change("light_grid.rays", rays, 16u);
     change("light_grid.updates", updates, 2u);
     change("compiler", compiler, "/bin/true"), change("checkpoint_seconds", checkpoint_seconds, 1.0);
+    change("region", region, Region{2, 3, 5, 4}), change("alpha", alpha, true);
+    change("lobes", lobes, true), change("light_groups", light_groups, std::vector<std::string>{"a=sky"});
     change("checkpoint", checkpoint, checkpoint_file), change("resume", resume, checkpoint_file);
     return all;
 }

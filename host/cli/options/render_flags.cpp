@@ -8,6 +8,8 @@
 #include "host/cli/options/light_options.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/options/render_targets.hpp"
+#include "host/cli/picture/alpha.hpp"
+#include "host/cli/picture/lens_options.hpp"
 #include "host/io/scene_readers.hpp"
 
 namespace claray::cli {
@@ -75,7 +77,9 @@ void add_image_options(CLI::App& command, RenderOptions& o) {
                     "with --fps the last frame; with --frames also .y4m")
         ->type_name(file_value);
     add_size_option(command, o.config.width, o.config.height, "WIDTHxHEIGHT in pixels [512x512]");
+    add_alpha_options(command, o);
     add_exposure_option(command, o);
+    add_exposure_options(command, o);
     const std::vector<std::pair<std::string, ToneMap>> tone_maps = {{"none", ToneMap::none}, {"aces", ToneMap::aces}};
     command
         .add_option("--tone-map", o.tone_map,
@@ -99,11 +103,16 @@ void add_image_options(CLI::App& command, RenderOptions& o) {
         names.emplace_back(row.name);
         meanings += std::string("\n") + row.name + ": " + row.meaning;
     }
-    names.insert(names.end(), {"error", "gbuffer", "voxels"});
+    for (const MatteRow& row : matte_rows) {
+        names.emplace_back(row.name);
+        meanings += std::string("\n") + row.name + ": Cryptomatte of " + row.meaning + ", in an .exr";
+    }
+    names.insert(names.end(), {"lobes", "error", "gbuffer", "voxels"});
     command
         .add_option(
             "--aov", o.aovs,
             "Also write OUTPUT.NAME.png and .pfm, or layers of an .exr:" + meanings +
+                "\nlobes: light by how the first surface sends it to the camera, lobe_NAME each (see docs/formats.md)"
                 "\nerror: half the width of each pixel's interval of luminance, which holds the truth in 19 of 20 "
                 "pixels (see docs/accuracy.md)"
                 "\ngbuffer: packed as deferred renderers keep it, .raw and a picture of each part "
@@ -113,6 +122,11 @@ void add_image_options(CLI::App& command, RenderOptions& o) {
         ->delimiter(',')
         ->check(name_among(names))
         ->type_name("NAME,...");
+    command
+        .add_option("--light-group", o.config.light_groups,
+                    "NAME=LIGHT,LIGHT: also write the light of these as light_NAME, by the names of lights and of "
+                    "emissive materials, light:N, material:N or sky; may be repeated. light_rest has all other light")
+        ->type_name("GROUP");
     group.next("Image files");
     add_encoding_options(command, o);
     command

@@ -8,6 +8,7 @@
 #include "host/cli/help/help.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/output/outputs.hpp"
+#include "host/render/layers/light_layers.hpp"
 
 namespace claray::cli {
 namespace {
@@ -154,6 +155,11 @@ bool is_shaped(const RenderOptions& options) {
     return is_y4m(options) || std::ranges::any_of(image_formats, shapes);
 }
 
+const MatteRow* matte_named(const std::string& aov) {
+    const auto row = std::find_if(std::begin(matte_rows), std::end(matte_rows), [&](auto& r) { return aov == r.name; });
+    return row == std::end(matte_rows) ? nullptr : row;
+}
+
 bool is_layer(const RenderOptions& options, const std::string& aov) {
     return format_of(options) == ImageFormat::exr && aov != "error" && aov != "gbuffer" && aov != "voxels";
 }
@@ -182,8 +188,16 @@ std::vector<NamedFile> outputs_of(const RenderOptions& options) {
     std::vector<NamedFile> outputs = {{"--output", named_file(options.output)},
                                       {"--checkpoint", options.config.checkpoint},
                                       {"--trace", options.trace}};
+    if (format_of(options) != ImageFormat::exr)
+        for (const std::string& name : names_of_light_layers(options.config)) {
+            const auto [picture, raw] = aov_paths(options.output, name);
+            outputs.push_back({"--aov " + name, picture}), outputs.push_back({"--aov " + name, raw});
+        }
     for (const std::string& name : options.aovs) {
-        if (is_layer(options, name)) continue;
+        if (is_layer(options, name) || name == "lobes") continue;
+        if (matte_named(name))
+            throw Error(ErrorKind::usage, "--aov " + name + ": '" + options.output.string() + "' cannot hold it",
+                        "use -o NAME.exr: only its layers hold ids");
         const auto [picture, raw] = aov_paths(options.output, name);
         if (name == "gbuffer")
             for (const char* view : gbuffer_views)

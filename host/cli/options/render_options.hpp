@@ -17,6 +17,9 @@ struct FrameRange {
     unsigned first = 0, last = 0;
 };
 
+/// How colours are stored beside an alpha.
+enum class AlphaStorage { by_format, straight, premultiplied };
+
 struct RenderOptions {
     std::string scene;
     std::filesystem::path output;  // "-": standard output
@@ -27,7 +30,12 @@ struct RenderOptions {
     ViewOptions view;
     std::optional<float> exposure;  // stops; empty: chosen if the surfaces would be mostly white or black
     bool auto_exposure = false;     // always chosen
+    std::optional<double> iso;      // with the time, the exposure
+    double shutter_time = 0;        // seconds
     ToneMap tone_map = ToneMap::aces;
+    std::optional<AlphaStorage> alpha;
+    std::vector<std::string> holdouts, catchers;  // names of materials
+    bool full_frame = false;                      // of a region
     std::optional<DenoiserKind> denoiser;
     std::vector<std::string> aovs;
     std::vector<std::string> light_maps;  // "0=floor.pfm"
@@ -40,6 +48,7 @@ struct RenderOptions {
     double orbit = 0;                                   // degrees over these frames
     std::string frames_text;                            // as the command line has it: a number, or a range
     std::optional<FrameRange> animation;                // a picture each
+    unsigned turntable = 0;                             // frames of a turn of the camera; 0: none
     double frame_rate = 24;                             // of the animation
     bool picks_settings = false, picks_builder = true;  // by target; the builder only without --builder
 };
@@ -87,6 +96,9 @@ void add_light_grid_options(CLI::App& command, LightGridConfig& grid);
 
 /// Puts light maps on meshes. Throws ErrorKind::usage for text that is not MESH=FILE.
 void use_light_maps(Scene& scene, const std::vector<std::string>& light_maps);
+
+/// The Cryptomatte with this name; null: it is another AOV.
+[[nodiscard]] const MatteRow* matte_named(const std::string& aov);
 
 /// Whether an AOV becomes a layer of the image's own file: all but gbuffer and voxels, of an .exr.
 [[nodiscard]] bool is_layer(const RenderOptions& options, const std::string& aov);

@@ -29,14 +29,21 @@ CLI::Validator least_error_for_none() {
 }
 
 void check_frames(const CLI::App& command, RenderOptions& o) {
-    refuse_without(command, "--frame-rate", "--frames");
+    if (o.turntable == 0) refuse_without(command, "--frame-rate", "--frames");
     refuse_without(command, "--orbit", "--fps");
     refuse_both(command, "--fps", {"--frame-rate"},
                 "--fps is for rendering in real time, --frame-rate for an animation");
-    if (is_y4m(o) && (command.count("--frames") == 0 || o.fps > 0))
+    if (is_y4m(o) && o.turntable == 0 && (command.count("--frames") == 0 || o.fps > 0))
         throw Error(ErrorKind::usage,
                     "--output: '" + o.output.string() + "' is a video, which needs the frames of an animation",
-                    "add --frames FIRST..LAST, or write an image, as in .png");
+                    "add --frames FIRST..LAST or --turntable N, or write an image, as in .png");
+    if (o.turntable > 0) {
+        o.animation = {0, o.turntable - 1};
+        refuse_both(command, "--turntable", {"--frames", "--fps"}, "both tell the frames");
+        refuse_both(command, "--turntable", {"--checkpoint", "--resume", "--trace"}, "it renders several images");
+        if (is_stream(o))
+            refuse_both(command, "--aov", {"--turntable"}, "one stream has no place for them: write files");
+    }
     if (command.count("--frames") == 0) return;
     if (o.fps > 0) {
         const auto frames = parse_number<unsigned>(o.frames_text);
@@ -63,6 +70,9 @@ void check_standard_output(const CLI::App& command, const RenderOptions& o) {
         if (!is_layer(o, aov))
             throw Error(ErrorKind::usage, "--aov " + aov + ": standard output has no place for it",
                         format_of(o) == ImageFormat::exr ? "write files" : "write files, or add --format exr");
+    if (!o.config.light_groups.empty() && format_of(o) != ImageFormat::exr)
+        throw Error(ErrorKind::usage, "--light-group: standard output has no place for it",
+                    "write files, or add --format exr");
 }
 
 }  // namespace
@@ -93,11 +103,18 @@ void add_target_options(CLI::App& command, RenderOptions& o) {
             "all to one video, if OUTPUT is a .y4m or - (standard output, for ffmpeg -i -); "
             "with --fps: number of frames, 300 without it")
         ->type_name("RANGE");
+    command
+        .add_option("--turntable", o.turntable,
+                    "Write N frames, as --frames does, in which the camera turns once round its target")
+        ->transform(whole_number(1, 1'000'000))
+        ->type_name("N");
     group.next("Real time");
     command.add_option("--orbit", o.orbit, "Degrees by which the camera turns round its target, with --fps [0]")
         ->check(finite_number());
     group.next("Animation");
-    command.add_option("--frame-rate", o.frame_rate, "Frames per second of the animation, with --frames [24]")
+    command
+        .add_option("--frame-rate", o.frame_rate,
+                    "Frames per second of the animation, with --frames or --turntable [24]")
         ->check(positive_number());
 }
 
@@ -113,6 +130,7 @@ void check_targets(const CLI::App& command, RenderOptions& o) {
     refuse_both(command, "--error", {"--spp", "--noise"}, "the error decides the number of samples");
     const bool until_target = o.config.error > 0 || o.config.seconds > 0;
     if (until_target && command.count("--spp") == 0) o.config.spp = most_spp;
+    o.config.lobes = std::find(o.aovs.begin(), o.aovs.end(), "lobes") != o.aovs.end();
     o.picks_settings = until_target && command.count("--spp") == 0;
     o.picks_builder = command.count("--builder") == 0;
 }

@@ -3,6 +3,7 @@
 #include "claray/error.hpp"
 #include "host/cli/help/help.hpp"
 #include "host/cli/options/option_rules.hpp"
+#include "host/cli/picture/lens_options.hpp"
 
 namespace claray::cli {
 namespace {
@@ -15,6 +16,16 @@ glm::vec3 parse_vector(const std::string& option, const std::string& text) {
     return {numbers[0], numbers[1], numbers[2]};
 }
 
+bool is_fisheye(const Camera& camera) {
+    return camera.projection == Projection::fisheye || camera.projection == Projection::equisolid;
+}
+
+/// The field of view by which a camera is placed: that of a fisheye may be more than half of the surroundings.
+std::optional<float> flat_fov(const ViewOptions& options) {
+    const bool is_wide = options.projection && is_fisheye(Camera{.projection = *options.projection});
+    return is_wide ? std::nullopt : options.fov;
+}
+
 /// The scene's own camera or the automatic one, with the changes of the command line.
 Camera choose_camera(Camera camera, const ViewOptions& options) {
     // A camera at another place does not keep the motion of the scene's camera.
@@ -22,14 +33,17 @@ Camera choose_camera(Camera camera, const ViewOptions& options) {
     if (options.look_at) camera.target = *options.look_at, camera.target_end.reset();
     if (options.camera_end) camera.position_end = options.camera_end;
     if (options.look_at_end) camera.target_end = options.look_at_end;
+    if (options.projection) camera.projection = *options.projection;
+    if (options.fov && !options.projection && !is_fisheye(camera)) camera.projection = Projection::perspective;
+    if (options.fov) camera.vertical_fov = *options.fov;
+    if (options.projection && is_fisheye(camera) && !options.fov) camera.vertical_fov = 180.f;
+    if (options.ortho) camera.orthographic_height = *options.ortho, camera.projection = Projection::orthographic;
+    camera = with_lens(camera, options.lens);
     if (options.aperture) camera.aperture_radius = *options.aperture;
     if (options.focus_distance) camera.focus_distance = *options.focus_distance;
     if (options.focus_distance && camera.aperture_radius == 0.f)
         throw Error(ErrorKind::usage, "--focus-distance has no effect without a lens", "add --aperture");
     if (options.up) camera.up = *options.up;
-    if (options.projection) camera.projection = *options.projection;
-    if (options.fov) camera.vertical_fov = *options.fov, camera.projection = Projection::perspective;
-    if (options.ortho) camera.orthographic_height = *options.ortho, camera.projection = Projection::orthographic;
     return camera;
 }
 
@@ -56,7 +70,7 @@ void add_view_options(CLI::App& command, ViewOptions& o) {
     add_vector("--camera", o.camera, "Position of the camera, X,Y,Z [scene's camera]");
     add_vector("--look-at", o.look_at, "Point in the middle of the image, X,Y,Z [scene's camera]");
     add_vector("--up", o.up, "Direction that is up in the image, X,Y,Z [scene's camera, else 0,1,0]");
-    command.add_option("--fov", o.fov, "Vertical field of view in degrees [scene's camera, else 40]")
+    command.add_option("--fov", o.fov, "Vertical field of view in degrees [scene's camera, else 40; of fisheyes 180]")
         ->check(finite_number());
     group.next("Lens and motion");
     std::vector<std::pair<std::string, Projection>> kinds;
@@ -75,6 +89,7 @@ void add_view_options(CLI::App& command, ViewOptions& o) {
         .add_option("--focus-distance", o.focus_distance,
                     "Distance of the sharp plane along the view [that of --look-at]")
         ->check(positive_number());
+    add_lens_options(command, o.lens);
     add_vector("--camera-end", o.camera_end, "Position at shutter close, X,Y,Z, for motion blur");
     add_vector("--look-at-end", o.look_at_end, "Point in the middle at shutter close, X,Y,Z");
     add_light_options(command, o.lights);
@@ -92,11 +107,11 @@ Scene load_view(const std::string& name, const ViewOptions& options, unsigned wi
     view.aspect = float(width) / float(height);
     view.camera = [&](const Scene& scene) {
         if (scene.camera) return choose_camera(*scene.camera, options);
-        if (!frames.camera) frames.camera = automatic_camera(scene, options.fov.value_or(40.f), view.aspect);
+        if (!frames.camera) frames.camera = automatic_camera(scene, flat_fov(options).value_or(40.f), view.aspect);
         return choose_camera(*frames.camera, options);
     };
     const bool placed = options.camera || options.look_at || options.camera_end || options.look_at_end || options.up;
-    if (!placed && !options.ortho) view.inside = options.fov.value_or(MayChoose{}.inside_fov);
+    if (!placed && !options.ortho) view.inside = flat_fov(options).value_or(MayChoose{}.inside_fov);
     Scene scene = load(name, options.load, options.lights, options.surfaces, view, &frames.light);
     if (frames.camera) {  // which may be inside now
         frames.camera = scene.camera;

@@ -10,6 +10,14 @@
 
 namespace claray::cli {
 
+/// A lens beyond its aperture.
+struct LensOptions {
+    std::optional<glm::vec2> shift, tilt;
+    std::optional<Stereo> stereo;
+    std::optional<float> eye_distance;                           // in units of the scene
+    std::optional<float> focal_length, sensor_height, f_number;  // millimetres
+};
+
 struct ViewOptions {
     std::optional<glm::vec3> camera, look_at, up;
     std::optional<Projection> projection;
@@ -17,6 +25,7 @@ struct ViewOptions {
     std::optional<float> ortho;                        // height of the image, in units of the scene
     std::optional<float> aperture, focus_distance;     // of a thin lens
     std::optional<glm::vec3> camera_end, look_at_end;  // when the shutter closes
+    LensOptions lens;
     LightOptions lights;
     SurfaceOptions surfaces;
     LoadOptions load;

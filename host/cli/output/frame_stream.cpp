@@ -8,15 +8,16 @@ namespace claray::cli {
 FrameStream::FrameStream(const RenderOptions& options) : options_(options) {
     const auto path = named_file(options.output);
     if (is_y4m(options))
-        video_.emplace(path, options.config.width, options.config.height, options.frame_rate);
+        video_.emplace(path, options.config.image_width(), options.config.image_height(), options.frame_rate);
     else
         images_.emplace(path);
 }
 
 void FrameStream::add(const std::vector<glm::vec3>& pixels, float exposure) {
     if (video_) return video_->add(pixels, exposure, options_.tone_map);
-    const std::string bytes = encode_image(options_.output, {options_.config.width, options_.config.height, pixels},
-                                           exposure, options_.tone_map, encoding_of(options_));
+    const Image image{options_.config.image_width(), options_.config.image_height(), pixels};
+    const std::string bytes =
+        encode_image(options_.output, image, exposure, options_.tone_map, encoding_of(options_));
     images_->write(bytes.data(), bytes.size());
 }
 

@@ -6,24 +6,29 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "claray/cryptomatte.hpp"
 #include "claray/program.hpp"
 #include "host/base/format.hpp"
 #include "host/cli/options/render_targets.hpp"
 #include "host/cli/output/brightness.hpp"
 #include "host/cli/output/messages.hpp"
 #include "host/cli/output/table.hpp"
+#include "host/cli/picture/alpha.hpp"
 #include "host/compute/memory.hpp"
+#include "host/render/layers/light_layers.hpp"
 #include "host/view/false_colors.hpp"
 
 namespace claray::cli {
 namespace {
 
-std::vector<float> components_of(const std::vector<glm::vec3>& values) {
-    return {&values[0].x, &values[0].x + 3 * values.size()};
+template <class Vector>
+std::vector<float> components_of(const std::vector<Vector>& values) {
+    return {&values[0].x, &values[0].x + Vector::length() * values.size()};
 }
 
 ImageLayer layer_of(const AovRow& row, const std::vector<float>& pixels) { return {row.name, row.letters, pixels}; }
-ImageLayer layer_of(const AovRow& row, const std::vector<glm::vec3>& pixels) {
+template <class Vector>
+ImageLayer layer_of(const AovRow& row, const std::vector<Vector>& pixels) {
     return {row.name, row.letters, components_of(pixels)};
 }
 ImageLayer layer_of(const AovRow& row, const std::vector<std::uint32_t>& pixels) {
@@ -34,13 +39,20 @@ void write_raw(const std::filesystem::path& path, unsigned width, unsigned heigh
                const std::vector<glm::vec3>& pixels) {
     write_image(path, {width, height, pixels});
 }
+/// A PFM has one channel or three.
+void write_raw(const std::filesystem::path& path, unsigned width, unsigned height,
+               const std::vector<glm::vec2>& pixels) {
+    std::vector<glm::vec3> colors;
+    for (const glm::vec2& pixel : pixels) colors.emplace_back(pixel, 0.f);
+    write_raw(path, width, height, colors);
+}
 template <class Scalar>
 void write_raw(const std::filesystem::path& path, unsigned width, unsigned height, const std::vector<Scalar>& pixels) {
     write_pfm(path, width, height, {pixels.begin(), pixels.end()});
 }
 
 void write_aov(const std::string& name, const Aovs& aovs, const RenderOptions& options) {
-    const unsigned width = options.config.width, height = options.config.height;
+    const unsigned width = options.config.image_width(), height = options.config.image_height();
     const auto [picture, raw] = aov_paths(options.output, name);
     write_image(picture, view::picture_of(aovs, name, width, height), 0.f, ToneMap::none);
     for_each_aov(aovs, [&, &raw = raw](const AovRow& row, const auto& pixels) {
@@ -48,33 +60,50 @@ void write_aov(const std::string& name, const Aovs& aovs, const RenderOptions& o
     });
 }
 
+std::vector<LightLayer> light_layers_in(const Renderer& renderer, const RenderOptions& options) {
+    return light_layers_of(options.config) > 0 ? renderer.light_layers() : std::vector<LightLayer>();
+}
+
+void write_light_layer(const LightLayer& layer, const RenderOptions& options) {
+    const Image image{options.config.image_width(), options.config.image_height(), layer.pixels};
+    const auto [picture, raw] = aov_paths(options.output, layer.name);
+    write_image(picture, image, options.exposure.value_or(0.f), options.tone_map);
+    write_image(raw, image);
+}
+
 /// The image and its AOVs; layers and channels have the names that Blender and Nuke show.
 void write_layers(const std::vector<glm::vec3>& pixels, const Renderer& renderer, const RenderOptions& options) {
     const Aovs aovs = renderer.aovs();
-    std::vector<ImageLayer> layers = {{"", "RGB", components_of(pixels)}};
-    for (const std::string& name : options.aovs)
+    const Picture picture = picture_of(pixels, &renderer, options);
+    std::vector<ImageLayer> layers = {colors_of(picture, options)};
+    ImageAttributes attributes;
+    const auto append = [](auto& to, const auto& more) { to.insert(to.end(), more.begin(), more.end()); };
+    for (const std::string& name : options.aovs) {
+        if (const MatteRow* row = matte_named(name)) {
+            const Cryptomatte matte = cryptomatte(renderer, row->kind);
+            append(layers, layers_of(matte)), append(attributes, attributes_of(matte));
+        }
         for_each_aov(aovs, [&](const AovRow& row, const auto& values) {
             if (name == row.name) layers.push_back(layer_of(row, values));
         });
-    write_exr(named_file(options.output), options.config.width, options.config.height, layers);
+    }
+    for (const LightLayer& layer : light_layers_in(renderer, options))
+        layers.push_back({layer.name, "RGB", components_of(layer.pixels)});
+    write_exr(named_file(options.output), picture.width, picture.height, layers, attributes);
 }
 
-/// Positions as colours: their places in the box around all of them.
-std::vector<glm::vec3> position_colors(const GBuffer& buffer) {
-    Bounds bounds;
-    for (std::size_t i = 0; i < buffer.pixels.size(); ++i)
-        if (buffer.pixels[i].depth != 0.f) bounds.grow(position_of(buffer, i));
-    const glm::vec3 extent = glm::max(bounds.extent(), 1e-30f);
-    std::vector<glm::vec3> colors(buffer.pixels.size());
-    for (std::size_t i = 0; i < colors.size(); ++i)
-        if (buffer.pixels[i].depth != 0.f) colors[i] = (position_of(buffer, i) - bounds.lo) / extent;
-    return colors;
+std::vector<glm::vec3> positions_of(const GBuffer& buffer) {
+    std::vector<glm::vec3> positions(buffer.pixels.size());
+    for (std::size_t i = 0; i < positions.size(); ++i)
+        if (buffer.pixels[i].depth != 0.f) positions[i] = position_of(buffer, i);
+    return positions;
 }
 
 void write_error(const std::vector<float>& widths, const RenderOptions& options) {
     const auto [picture, raw] = aov_paths(options.output, "error");
-    write_image(picture, false_color(options.config.width, options.config.height, widths), 0.f, ToneMap::none);
-    write_pfm(raw, options.config.width, options.config.height, widths);
+    write_image(picture, false_color(options.config.image_width(), options.config.image_height(), widths), 0.f,
+                ToneMap::none);
+    write_pfm(raw, options.config.image_width(), options.config.image_height(), widths);
 }
 
 void write_voxels(const std::vector<glm::vec3>& albedo, const RenderOptions& options) {
@@ -100,7 +129,7 @@ void write_gbuffer(const GBuffer& buffer, const RenderOptions& options) {
                            identifier_color(width, height, materials),
                            {width, height, view::direction_colors(normals)},
                            false_color(width, height, depth),
-                           {width, height, position_colors(buffer)}};
+                           {width, height, view::place_colors(positions_of(buffer))}};
     for (std::size_t i = 0; i < std::size(views); ++i)
         write_image(aov_paths(options.output, gbuffer_views[i]).first, views[i], 0.f, ToneMap::none);
     write_file(aov_paths(options.output, "gbuffer").second,
@@ -206,11 +235,14 @@ void choose_exposure(const std::vector<glm::vec3>& pixels, const Renderer* rende
 
 void write_picture(const std::vector<glm::vec3>& pixels, const RenderOptions& options, const Renderer* renderer) {
     const bool has_layers = std::any_of(options.aovs.begin(), options.aovs.end(),
-                                        [&](const std::string& name) { return is_layer(options, name); });
+                                        [&](const std::string& name) { return is_layer(options, name); }) ||
+                            (light_layers_of(options.config) > 0 && format_of(options) == ImageFormat::exr);
     if (renderer != nullptr && has_layers)
         write_layers(pixels, *renderer, options);
+    else if (const Picture picture = picture_of(pixels, renderer, options); !picture.alpha.empty())
+        write_with_alpha(picture, options);
     else
-        write_image(named_file(options.output), {options.config.width, options.config.height, pixels},
+        write_image(named_file(options.output), {picture.width, picture.height, picture.pixels},
                     options.exposure.value_or(0.f), options.tone_map, encoding_of(options));
     const std::optional<float> exposure =
         is_shaped(options) ? std::optional(options.exposure.value_or(0.f)) : std::nullopt;
@@ -234,8 +266,12 @@ Denoised denoise(Renderer& renderer, const RenderOptions& options) {
 }
 
 void write_aovs(Renderer& renderer, const RenderOptions& options, Writes& writes) {
+    if (format_of(options) != ImageFormat::exr)
+        for (const LightLayer& layer : light_layers_in(renderer, options))
+            writes.attempt([&] { write_light_layer(layer, options); });
     std::optional<Aovs> aovs;
     for (const std::string& name : options.aovs) {
+        if (name == "lobes") continue;
         if (name == "error") {
             writes.attempt([&] { write_error(renderer.error_map(), options); });
             continue;
@@ -298,8 +334,8 @@ void print_as_text(const Device& device, const Renderer& renderer, const RenderO
     if (plan && tells_plan(options)) print_picks(plan->picks);
     print_overrides(options.config.effects);
     if (options.stats) print_statistics(device, renderer.statistics(), p.seconds);
-    std::printf("%s: %ux%u, %u spp in %.2f s", options.output.c_str(), options.config.width, options.config.height,
-                p.spp, p.seconds);
+    std::printf("%s: %ux%u, %u spp in %.2f s", options.output.c_str(), options.config.image_width(),
+                options.config.image_height(), p.spp, p.seconds);
     if (p.noise > 0) std::printf(", noise %.2f %%", 100 * p.noise);
     if (p.error > 0) std::printf(", error %.2f %%", 100 * p.error);
     std::printf("%s\n", outcome.interrupted ? ", interrupted" : "");
@@ -327,8 +363,8 @@ void print_as_json(const Device& device, const Renderer& renderer, const RenderO
         {"output", options.output.string()},
         {"scene", options.scene},
         {"device", device.info().name},
-        {"width", options.config.width},
-        {"height", options.config.height},
+        {"width", options.config.image_width()},
+        {"height", options.config.image_height()},
         {"spp", outcome.progress.spp},
         {"seconds", outcome.progress.seconds},
         {"noise", outcome.progress.noise},

@@ -40,6 +40,29 @@ constexpr std::array camera_parts = {
         .apart = true},
     CLARAY_OTHER_PROJECTIONS(CLARAY_ROW)
 #undef CLARAY_ROW
+        EffectPart{.effect = Effect::stereo,
+                   .in_camera = [](const Camera& camera) { return camera.stereo != Stereo::none; },
+                   .strip_camera = [](Camera& camera) { camera.stereo = Stereo::none; },
+                   .show = [](Scene& s) { s.camera->stereo = Stereo::side_by_side, s.camera->eye_distance = 0.3f; },
+                   .apart = true},
+    EffectPart{.effect = Effect::lens_shift,
+               .in_camera = [](const Camera& camera) { return camera.shift != glm::vec2(0.f); },
+               .strip_camera = [](Camera& camera) { camera.shift = glm::vec2(0.f); },
+               .show =
+                   [](Scene& s) {
+                       s.camera->shift = {0.1f, -0.2f};
+                   },
+               .apart = true},
+    EffectPart{
+        .effect = Effect::tilted_focus,
+        .in_camera = [](const Camera& camera) { return camera.tilt != glm::vec2(0.f) && camera.aperture_radius > 0; },
+        .strip_camera = [](Camera& camera) { camera.tilt = glm::vec2(0.f); },
+        .show =
+            [](Scene& s) {
+                show_depth_of_field(s);
+                s.camera->tilt = {30.f, 0.f};
+            },
+        .apart = true},
 };
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include <OpenEXR/ImfRgbaFile.h>
 #include <OpenEXR/ImfRgbaYca.h>
 #include <OpenEXR/ImfStandardAttributes.h>
+#include <OpenEXR/ImfStringAttribute.h>
 
 #include <algorithm>
 #include <cstring>
@@ -40,7 +41,7 @@ void require_exr(const std::string& path) {
     throw Error(ErrorKind::usage, "cannot write '" + path + "': " + missing,
                 "build it with libopenexr-dev, or use .hdr or .pfm");
 }
-std::string encode_exr(unsigned, unsigned, const std::vector<ImageLayer>&) {
+std::string encode_exr(unsigned, unsigned, const std::vector<ImageLayer>&, const ImageAttributes&) {
     require_exr("an EXR");
     return {};
 }
@@ -317,9 +318,11 @@ std::vector<Texture> faces_of_exr_cube(const Texture& stacked) {
 
 void require_exr(const std::string&) {}
 
-std::string encode_exr(unsigned width, unsigned height, const std::vector<ImageLayer>& layers) {
+std::string encode_exr(unsigned width, unsigned height, const std::vector<ImageLayer>& layers,
+                       const ImageAttributes& attributes) {
     Imf::Header header{int(width), int(height)};
     header.compression() = Imf::ZIP_COMPRESSION;
+    for (const auto& [name, text] : attributes) header.insert(name, Imf::StringAttribute(text));
     Imf::FrameBuffer buffer;
     for (const ImageLayer& layer : layers) {
         const std::size_t count = layer.channels.size();

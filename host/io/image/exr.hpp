@@ -29,7 +29,8 @@ struct ExrShape {
 [[nodiscard]] std::vector<Texture> faces_of_exr_cube(const Texture& stacked);
 
 /// Returns the bytes of a file. Throws ErrorKind::usage if claray was built without OpenEXR.
-[[nodiscard]] std::string encode_exr(unsigned width, unsigned height, const std::vector<ImageLayer>& layers);
+[[nodiscard]] std::string encode_exr(unsigned width, unsigned height, const std::vector<ImageLayer>& layers,
+                                     const ImageAttributes& attributes);
 
 /// Throws ErrorKind::usage if claray was built without OpenEXR.
 void require_exr(const std::string& path);

@@ -142,7 +142,7 @@ std::string encode_image(const fs::path& name, const Image& image, float exposur
         case ImageFormat::exr: {
             ImageLayer layer;
             layer.values.assign(&image.pixels[0].x, &image.pixels[0].x + 3 * image.pixels.size());
-            return encode_exr(image.width, image.height, {layer});
+            return encode_exr(image.width, image.height, {layer}, {});
         }
         case ImageFormat::png:
             if (encoding.png_bits == 16) return png16_bytes(image, exposure, tone_map);
@@ -156,14 +156,15 @@ void write_image(const fs::path& path, const Image& image, float exposure, ToneM
     write_encoded(path, encode_image(path, image, exposure, tone_map, encoding));
 }
 
-void write_exr(const fs::path& path, unsigned width, unsigned height, const std::vector<ImageLayer>& layers) {
+void write_exr(const fs::path& path, unsigned width, unsigned height, const std::vector<ImageLayer>& layers,
+               const ImageAttributes& attributes) {
     require_exr(path.string());
     for (const ImageLayer& layer : layers) {
         const std::size_t values = layer.numbers.empty() ? layer.values.size() : layer.numbers.size(),
                           n = layer.channels.size();
         check_size(path, width, height, n == 0 || values % n != 0 ? 0 : values / n, most_pixels_a_side);
     }
-    write_encoded(path, encode_exr(width, height, layers));
+    write_encoded(path, encode_exr(width, height, layers, attributes));
 }
 
 void write_pfm(const fs::path& path, unsigned width, unsigned height, const std::vector<float>& values) {

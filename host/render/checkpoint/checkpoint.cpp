@@ -153,13 +153,16 @@ std::string size_of(std::uint32_t width, std::uint32_t height) {
 }  // namespace
 
 RenderIdentity identity_of(const Scene& scene, const RenderConfig& config) {
-    RenderIdentity identity{config.width, config.height, digest_of(scene), {}, {}};
+    RenderIdentity identity{config.image_width(), config.image_height(), digest_of(scene), {}, {}};
+    const Region& part = config.region;
+    const std::string region =
+        part.width == 0 ? "" : printed(" region %u,%u of %ux%u", part.x, part.y, config.width, config.height);
     const std::string settings = std::to_string(config.seed) + ' ' + std::to_string(config.max_depth) + ' ' +
                                  std::to_string(int(config.sampler)) + ' ' + to_string(config.effects.remove) + ' ' +
                                  to_string(config.approximate) + (config.adaptive ? " adaptive" : "") +
                                  (PathGuide::is_for(config) ? " guide" : "") +
                                  (config.sample_clamp > 0 ? printed(" clamp %a", double(config.sample_clamp)) : "") +
-                                 (config.approximate.light_grid ? ' ' + to_string(config.light_grid) : "");
+                                 (config.approximate.light_grid ? ' ' + to_string(config.light_grid) : "") + region;
     identity.settings = digest_of(settings.data(), settings.size());
     Hasher kernels;
     for (const KernelSource& source : kernel_sources()) {

@@ -10,6 +10,30 @@ namespace {
 
 constexpr unsigned largest_side = 1u << 14;
 
+void check_region(const RenderConfig& config) {
+    const Region& region = config.region;
+    if (region == Region{}) return;
+    const auto within = [](unsigned first, unsigned count, unsigned all) {
+        return count > 0 && count <= all && first <= all - count;
+    };
+    if (!within(region.x, region.width, config.width) || !within(region.y, region.height, config.height))
+        throw Error(ErrorKind::usage,
+                    "region: " + std::to_string(region.width) + "x" + std::to_string(region.height) + " at " +
+                        std::to_string(region.x) + "," + std::to_string(region.y) + " is not within the image of " +
+                        std::to_string(config.width) + "x" + std::to_string(config.height) + " pixels",
+                    "give its left, top, width and height in pixels");
+    const auto refuse = [](const char* what) {
+        throw Error(ErrorKind::usage, std::string("a region and ") + what + " exclude each other",
+                    "render the whole image, or leave out the other");
+    };
+    if (config.adaptive) refuse("adaptive sampling");
+    if (config.approximate.tile_sum) refuse("the approximation tile-sum");
+}
+
+[[noreturn]] void refuse_in_group(const char* what) {
+    throw Error(ErrorKind::usage, std::string(what) + " cannot be shared by several devices", "use one device");
+}
+
 }  // namespace
 
 void check_size(unsigned width, unsigned height) {
@@ -47,7 +71,25 @@ const RenderConfig& checked(const RenderConfig& config) {
     if (grid.updates < 1) refuse("the light grid needs at least one update", "start with 16");
     if (!(config.checkpoint_seconds > 0))
         refuse("the time between checkpoints must be greater than 0 seconds", "start with 30");
+    check_region(config);
+    if (config.alpha && (config.lobes || !config.light_groups.empty()))
+        refuse("alpha and layers of light exclude each other", "render them one after the other");
+    if (config.alpha && !(config.checkpoint.empty() && config.resume.empty()))
+        refuse("alpha and checkpoints exclude each other: a checkpoint has no alpha", "leave out one of them");
+    if (config.lobes || !config.light_groups.empty()) {
+        const char* const remedy = "leave out one of them";
+        if (config.alpha) refuse("layers of light and alpha exclude each other", remedy);
+        if (config.approximate.any()) refuse("layers of light and approximations exclude each other", remedy);
+        if (!(config.checkpoint.empty() && config.resume.empty()))
+            refuse("layers of light and checkpoints exclude each other: a checkpoint has no layers", remedy);
+    }
     return config;
+}
+
+void check_alone(const RenderConfig& config) {
+    if (config.region.width > 0) refuse_in_group("a region");
+    if (config.alpha) refuse_in_group("an image with alpha");
+    if (config.lobes || !config.light_groups.empty()) refuse_in_group("layers of light");
 }
 
 }  // namespace claray

@@ -9,5 +9,7 @@ namespace claray {
 void check_size(unsigned width, unsigned height);
 /// Returns the configuration, or throws ErrorKind::usage.
 const RenderConfig& checked(const RenderConfig& config);
+/// Throws ErrorKind::usage for what several devices cannot share.
+void check_alone(const RenderConfig& config);
 
 }  // namespace claray

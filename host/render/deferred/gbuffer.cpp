@@ -21,7 +21,10 @@ QueryOptions options_of_gbuffer(const SceneBuffers& scene) {
 glm::dmat4 world_from_image(const CameraData& c, double near, double far) {
     const glm::dvec4 right(c.right_x, c.right_y, c.right_z, 0), up(c.up_x, c.up_y, c.up_z, 0);
     const glm::dvec4 forward(c.forward_x, c.forward_y, c.forward_z, 0), place(c.x, c.y, c.z, 1);
-    if (const ProjectionTraits* traits = traits_of(Projection(c.projection)); !traits->flat)
+    if ((c.projection & (CLARAY_SIDE_BY_SIDE | CLARAY_TOP_BOTTOM | CLARAY_SHIFTED)) != 0)
+        throw Error(claray::ErrorKind::usage, "no matrix describes the depths of two eyes or of a lens shift",
+                    "use a camera with one eye and without shift");
+    if (const ProjectionTraits* traits = traits_of(Projection(c.projection & CLARAY_KIND_BITS)); !traits->flat)
         throw Error(claray::ErrorKind::usage,
                     std::string("no matrix describes the depths of the projection ") + traits->name,
                     "ask for the AOV depth");
@@ -48,7 +51,7 @@ GBuffer GBufferStage::run(Wavefront& wavefront, NormalPacking packing, float far
     VectorRoom<GBufferPixel> pixels(all);
     for (std::size_t first = 0; first < all; first += pixels_.size()) {
         const auto count = std::uint32_t(std::min(pixels_.size(), all - first));
-        wavefront.trace_centers({std::uint32_t(first), count, 0, 1, 0}, trace_);
+        wavefront.trace_first_hits({std::uint32_t(first), count, 0, 1, 0}, trace_, true);
         write_.run({count, 64}, wavefront.step_of({}, 0, count), wavefront.scene, wavefront.queues.of_depth(0).rays,
                    wavefront.queues.hits, near, far, std::uint32_t(packing == NormalPacking::spherical), pixels_);
         read_back(pixels_, pixels.span().subspan(first, count));
@@ -74,6 +77,7 @@ glm::vec3 position_of(const GBuffer& buffer, std::size_t pixel) {
 
 GBuffer Renderer::gbuffer(NormalPacking packing) const {
     State& state = *state_;
+    state.refuse_with_region("a G-buffer is of whole images only");
     if (!state.outputs.gbuffer)
         state.outputs.gbuffer.emplace(state.buffers, state.wavefront.kernels.config.effects,
                                       std::min<std::uint32_t>(state.wavefront.queues.capacity, state.pixels()));

@@ -203,6 +203,17 @@ void PathGuide::trace_beside(Batch batch, Wavefront& wavefront, const std::funct
     }
 }
 
+void PathGuide::trace_region(Batch batch, Wavefront& wavefront, const std::function<void(const Batch&)>& add) {
+    while (batch.samples > 0) {
+        const Phase phase = phase_at(batch.first_sample);
+        if (phase >= first_phase && phase > phase_) learn_until(phase, wavefront);
+        Batch part = batch;
+        part.samples = std::min(batch.samples, ends[phase] - batch.first_sample);
+        trace_beside(part, wavefront, add);
+        batch.first_sample += part.samples, batch.samples -= part.samples;
+    }
+}
+
 /// What other rays do meanwhile is not guided.
 void PathGuide::trace_part(const Batch& part, unsigned spp, Wavefront& wavefront) {
     const Phase phase = phase_of(part);

@@ -65,6 +65,8 @@ public:
     /// Traces a batch of an image of `spp` samples per pixel by the maps for its samples, and calls `add` for each
     /// part. Learns only what later samples of the image need.
     void trace(Batch batch, unsigned spp, Wavefront& wavefront, const std::function<void(const Batch&)>& add);
+    /// The same for a listed batch of some of the image's pixels. The whole image teaches, in samples of its own.
+    void trace_region(Batch batch, Wavefront& wavefront, const std::function<void(const Batch&)>& add);
     /// The same with the maps that are known, without learning.
     void trace_beside(Batch batch, Wavefront& wavefront, const std::function<void(const Batch&)>& add);
     /// Whether it guides samples, by what it has learnt so far.

@@ -3,6 +3,8 @@
 #include "host/effects/effects.hpp"
 #include "host/render/guiding/path_guide.hpp"
 #include "host/render/kernels/stage_kernels.hpp"
+#include "host/render/layers/light_layers.hpp"
+#include "host/render/layers/matte.hpp"
 #include "host/textures/cutouts.hpp"
 #include "host/textures/texture_use.hpp"
 
@@ -32,6 +34,7 @@ KernelChoice choice_of(const Device& device, const SceneTraits& scene, const Ren
     const StageConfig stages = stages_for(device, scene, config, effects, layout);
     KernelChoice choice{effects, layout, programs_of_tracing(device, stages, config)};
     choice.programs.add(programs_of_paths(device, stages));
+    if (config.alpha) choice.programs.add(Matte::programs(device, stages.structure));
     return choice;
 }
 
@@ -64,6 +67,7 @@ StageConfig stages_for(const Device& device, const SceneTraits& scene, const Ren
             .culls_back_faces = scene.culls_back_faces,
             .is_lit = !(scene.effects & effects_with(CLARAY_SAMPLED)).empty(),
             .is_guided = may_guide_paths(device, config),
+            .light_layers = light_layers_of(config),
             .shaders = shaders_with_kernels(device, scene.shaders, effects)};
 }
 

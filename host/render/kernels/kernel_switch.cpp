@@ -120,7 +120,7 @@ bool Renderer::State::may_follow_paths() const {
 PathKernelChoice Renderer::State::choose_path_kernel() const {
     const Approximations& a = config.approximate;
     const bool follows = may_follow_paths() && paths_are_short(device, wavefront.totals.sums());
-    if (a.tile_sum || a.flat || a.gouraud || a.no_shadows) return {};
+    if (a.tile_sum || a.flat || a.gouraud || a.no_shadows || light_layers_of(config) > 0) return {};
     if (!follows && !may_finish_paths(buffers, kernels.plan.last.effects)) return {};
     PathKernelChoice choice;
     choice.kernel =

@@ -36,7 +36,8 @@ Defines defines_of(const Approximations& approximate) {
 /// Surfaces of other scenes are never shaded by sixteen (PLAIN_IN_LANES): with the macro the same kernel would be
 /// compiled a second time.
 bool may_shade_sixteen(EffectSet effects) {
-    return (effects.has(Effect::lambert) || effects.has(Effect::principled) || effects.has(Effect::metal)) && have_lanes(effects, CLARAY_LANES_SHADE);
+    return (effects.has(Effect::lambert) || effects.has(Effect::principled) || effects.has(Effect::metal)) &&
+           have_lanes(effects, CLARAY_LANES_SHADE);
 }
 
 /// Of the stages that shade.
@@ -45,16 +46,17 @@ Defines defines_of_shading(const Device& device, const StageConfig& config) {
     if (config.task == PathTask::bake) defines.emplace_back("BAKE", "1");
     if (config.task == PathTask::light_grid) defines.emplace_back("LIGHT_GRID", "1");
     if (config.is_guided) defines.emplace_back("PATH_GUIDE", "1");
+    if (config.light_layers > 0) defines.emplace_back("LIGHT_LAYERS", "1");
     append(defines, defines_of(config.approximate));
-    // On CPUs the binary tree is used for a quick start, when long compilation does not pay.
-    if (config.structure.is_one_binary_tree() && may_shade_sixteen(config.effects))
+    // On CPUs the binary tree is used for a quick start, when long compilation does not pay. Light is split hit by hit.
+    if ((config.structure.is_one_binary_tree() || config.light_layers > 0) && may_shade_sixteen(config.effects))
         defines.emplace_back("SIXTEEN", "0");
     if (config.task == PathTask::sum_tiles) append(defines, macros_of_shading(device));
     return defines;
 }
 
 bool shadow_rays_add_light(const Device& device, const StageConfig& config) {
-    return !config.approximate.no_shadows && config.structure.is_one_binary_tree() &&
+    return config.light_layers == 0 && !config.approximate.no_shadows && config.structure.is_one_binary_tree() &&
            device.tuning("render/add_light", "WITH_SHADOW_RAYS") != 0;
 }
 
@@ -75,7 +77,9 @@ KernelsOf<WavefrontKernels> kernels_of(const Device& device, const StageConfig& 
     if (config.task == PathTask::sum_tiles) return kernels;
     if (!config.shaders.empty())
         kernels.push_back({&Kernels::sort, {"render/queues/sort_hits.cl", "sort_hits", config.structure.defines()}});
-    if (config.is_lit && !shadow_rays_add_light(device, config))
+    if (config.is_lit && config.light_layers > 0)
+        kernels.push_back({&Kernels::add_light, {"render/layers/add_light_layers.cl", "add_light_layers", {}}});
+    else if (config.is_lit && !shadow_rays_add_light(device, config))
         kernels.push_back({&Kernels::add_light, {"render/add_light.cl", "add_light", {}}});
     return kernels;
 }
@@ -135,8 +139,8 @@ std::vector<EffectSet> shaders_with_kernels(const Device& device, const std::vec
     return pays && (effects & effects_with(CLARAY_OF_BSDF)) == needed ? shaders : std::vector<EffectSet>{};
 }
 
-StageConfig stages_of(const SceneBuffers& scene, Sampler sampler, EffectSet effects,
-                      const Approximations& approximate) {
+StageConfig stages_of(const SceneBuffers& scene, Sampler sampler, EffectSet effects, const Approximations& approximate,
+                      unsigned light_layers) {
     return {.effects = effects,
             .sampler = sampler,
             .task = path_task_of(approximate),
@@ -145,6 +149,7 @@ StageConfig stages_of(const SceneBuffers& scene, Sampler sampler, EffectSet effe
             .culls_back_faces = scene.textures.culls_back_faces,
             .is_lit = has_lights(scene.lights),
             .is_guided = scene.where.guide != CLARAY_NO_TABLE,
+            .light_layers = light_layers,
             .shaders = shaders_with_kernels(scene.structure.device(), scene.shaders, effects)};
 }
 
@@ -160,6 +165,7 @@ KernelSet programs_of_paths(const Device& device, const StageConfig& config) {
     for (const KernelRequest& kernel : kernels_of_surfaces(device, config)) set.add(device, kernel);
     set.add(programs_of(device, Film::Kernels::requests()));
     if (config.is_guided) set.add(PathGuide::programs(device));
+    if (config.light_layers > 0) set.add(device, kernel_of_layers());
     if (config.task == PathTask::light_grid) set.add(programs_of(device, kernels_of_light_grid(config)));
     if (config.task == PathTask::sum_tiles)
         set.add(programs_of(device, TileSum::kernels(device, config.structure, defines_of_shading(device, config))));
@@ -200,6 +206,8 @@ PathTask path_task_of(const Approximations& approximate) {
 }
 
 /// From render/trace_paths.cl or render/finish_paths.cl.
+KernelRequest kernel_of_layers() { return {"render/layers/accumulate_layers.cl", "accumulate_layers", {}}; }
+
 KernelRequest kernel_of_paths(const Device& device, const StageConfig& config, const std::string& name) {
     Defines defines = defines_for(config, Stage::shade);
     append(defines, defines_of(config.effects, Stage::generate));

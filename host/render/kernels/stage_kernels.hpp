@@ -38,6 +38,7 @@ struct StageConfig {
     Approximations approximate = {};
     StructureFormat structure = {};
     bool culls_back_faces = false, is_lit = false, is_guided = false;
+    unsigned light_layers = 0;            // into which light is split
     std::vector<EffectSet> shaders = {};  // see shaders_with_kernels
     bool operator==(const StageConfig&) const = default;
     /// Whether such kernels support the scene's effects, its shaders and, if it is lit, shadow rays.
@@ -50,7 +51,7 @@ struct StageConfig {
                                                           EffectSet effects);
 /// What follows from the scene's buffers.
 [[nodiscard]] StageConfig stages_of(const SceneBuffers& scene, Sampler sampler, EffectSet effects,
-                                    const Approximations& approximate = {});
+                                    const Approximations& approximate = {}, unsigned light_layers = 0);
 
 /// The programs of all stages but tracing, of the film and of a path guide.
 [[nodiscard]] KernelSet programs_of_paths(const Device& device, const StageConfig& config);
@@ -61,6 +62,9 @@ struct StageConfig {
 /// A kernel for PathKernels. `name`: `trace_paths_name` or `finish_paths_name`.
 [[nodiscard]] KernelRequest kernel_of_paths(const Device& device, const StageConfig& config, const std::string& name);
 
+/// The kernel that sums up layers of light.
+[[nodiscard]] KernelRequest kernel_of_layers();
+
 /// The stages' kernels.
 struct WavefrontKernels {
     /// `with`: of this scene.
@@ -70,7 +74,7 @@ struct WavefrontKernels {
     Kernel generate, empty_queues;
     Kernel sort;                // sorts hits by shader, if there are several
     std::vector<Kernel> shade;  // one for all surfaces, or one for each shader
-    Kernel add_light;           // unless shadow rays add their light
+    Kernel add_light;           // unless shadow rays add their light; also to layers of light
     bool adds_light = false;    // shadow rays add their light
     SceneQuery trace_camera, trace_bounce, trace_shadow;
     std::optional<TileSum> tile_sum;  // in place of shading, bounces and shadows

@@ -88,7 +88,7 @@ void gather_voxels(Wavefront& wavefront, const GridBox& voxels, const ProbeRays&
 }
 
 void show_voxels(Wavefront& wavefront, const Batch& batch, const Buffer<float>& albedo) {
-    wavefront.trace_centers(batch, wavefront.kernels.trace_camera);
+    wavefront.trace_first_hits(batch, wavefront.kernels.trace_camera, true);
     wavefront.kernels.light_grid->show_voxels.run({batch.pixels, 64}, wavefront.step_of(batch, 0, batch.pixels),
                                                   wavefront.scene.tables, wavefront.queues.of_depth(0).rays,
                                                   wavefront.queues.hits, albedo);

@@ -71,6 +71,7 @@ double share_cut_off(const Wavefront& wavefront) {
     frame.max_depth = std::max(limit_of_depth, 2 * std::min(limit_of_depth, 1u << 30));
     const std::uint32_t pixels = frame.width * frame.height;
     Wavefront probe(wavefront.scene, frame, wavefront.kernels, paths);
+    probe.queues.layer_table = wavefront.queues.layer_table;  // which its kernels read
     const std::uint32_t capacity = probe.queues.capacity;
     const std::uint32_t at_once = std::min(capacity, pixels), samples = std::max(1u, capacity / pixels);
     Carried sums;

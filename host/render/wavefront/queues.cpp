@@ -1,6 +1,9 @@
 #include "host/render/wavefront/queues.hpp"
 
 #include <algorithm>
+#include <cstring>
+
+#include "claray/shared/lists/lobes.h"
 
 namespace claray {
 namespace {
@@ -10,6 +13,10 @@ constexpr std::uint64_t bytes_per_path = 2 * CLARAY_QUEUE_TIMES * word + sizeof(
                                          sizeof(LightSample) + sizeof(std::uint8_t) + 3 * sizeof(float);
 
 }  // namespace
+
+std::uint32_t floats_of_layers(unsigned layers) {
+    return layers == 0 ? 0 : CLARAY_LAYER_FLOATS * layers + CLARAY_FLOATS_BEHIND_LAYERS;
+}
 
 RayArrays::RayArrays(const Device& device, std::size_t room, bool moves)
     // Kernels for more effects than the scene's write all of CLARAY_ALONG_RAYS.
@@ -44,7 +51,8 @@ void Queues::limit(const SceneBuffers& scene, const StageConfig& config, std::ui
     const Device& device = scene.structure.device();
     if (config.task == PathTask::light_grid) most_paths = std::max<std::uint64_t>(most_paths, light_grid_paths);
     const bool guided = scene.where.guide != CLARAY_NO_TABLE;
-    const std::uint64_t lessons = guided ? 3 * CLARAY_GUIDE_LESSONS * sizeof(float) : 0;
+    const std::uint64_t lessons =
+        (guided ? 3 * CLARAY_GUIDE_LESSONS * sizeof(float) : 0) + floats_of_layers(config.light_layers) * sizeof(float);
     const std::uint64_t tuned = std::max(1u, device.tuning("render/wavefront", "PATHS"));
     const std::uint64_t memory =
         device.info().memory / share_of_wavefront / (bytes_per_path + config.shaders.size() * word + lessons);
@@ -52,12 +60,18 @@ void Queues::limit(const SceneBuffers& scene, const StageConfig& config, std::ui
     capacity = std::uint32_t(std::max<std::uint64_t>(1, std::min({tuned, most_paths, memory, allocation})));
 }
 
+void Queues::split_light(const std::vector<std::uint32_t>& table) {
+    layer_table.resize(table.size());
+    std::memcpy(layer_table.data(), table.data(), sizeof(float) * table.size());
+    outdate();
+}
+
 /// Short renders do not need room for all paths that a device can trace at once. The buffers hold nothing between
 /// batches.
 void Queues::make_room(std::uint32_t paths, const SceneBuffers& scene, const StageConfig& config,
                        std::size_t floats_per_path) {
     const Device& device = scene.structure.device();
-    if (paths <= room()) return radiance.reserve(device, floats_per_path * room());
+    if (paths <= room()) return radiance.reserve(device, floats_per_path * room() + layer_table.size());
     // Each time GPUs take milliseconds.
     const std::uint32_t wanted = room() == 0 ? paths : std::max(paths, capacity);
     const std::size_t more = (wanted + CLARAY_QUEUE_ROOM - 1) / CLARAY_QUEUE_ROOM * std::size_t(CLARAY_QUEUE_ROOM);
@@ -66,7 +80,8 @@ void Queues::make_room(std::uint32_t paths, const SceneBuffers& scene, const Sta
     if (!config.shaders.empty()) sorted = Buffer<std::uint32_t>(device, more * config.shaders.size());
     for (RayArrays& of_depth : rays) of_depth = RayArrays(device, more, moves);
     hits = SceneHits(scene.structure, more);
-    radiance = Buffer<float>(device, floats_per_path * more);
+    radiance = Buffer<float>(device, floats_per_path * more + layer_table.size());
+    if (!layer_table.empty()) radiance.write(std::span<const float>(layer_table), CLARAY_FLOATS_BEFORE_LAYERS * more);
     if (has_lights(scene.lights)) shadow = ShadowArrays(device, more, moves, !config.approximate.no_shadows);
 }
 

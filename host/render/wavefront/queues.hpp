@@ -15,6 +15,9 @@ constexpr std::uint64_t share_of_wavefront = 16;
     return where.light_tree == CLARAY_NO_TABLE ? 3 : 6;
 }
 
+/// Floats of each path behind all of these, with so many layers of light.
+[[nodiscard]] std::uint32_t floats_of_layers(unsigned layers);
+
 /// A queue of the rays of one depth, and its arrays that other stages than shade_surface read.
 struct RayArrays {
     RayArrays() = default;
@@ -59,6 +62,8 @@ struct Queues {
     /// Allocates what this many paths need, at most `capacity`.
     void make_room(std::uint32_t paths, const SceneBuffers& scene, const StageConfig& config,
                    std::size_t floats_per_path);
+    /// From the next batch on, light is split into layers by this table (claray/shared/lists/lobes.h).
+    void split_light(const std::vector<std::uint32_t>& table);
     /// The next batch needs other buffers.
     void outdate() { rays[0].rays = {}; }
     /// Paths for which there are buffers.
@@ -74,8 +79,9 @@ struct Queues {
     RayArrays rays[2];
     ShadowArrays shadow;
     SceneHits hits;
-    Buffer<std::uint32_t> sorted;  // numbers of rays, for each shader
-    Buffer<float> radiance;        // of each path
+    Buffer<std::uint32_t> sorted;    // numbers of rays, for each shader
+    Buffer<float> radiance;          // of each path; then the table of layers, and the layers
+    std::vector<float> layer_table;  // its words; empty: light is not split
 };
 
 }  // namespace claray

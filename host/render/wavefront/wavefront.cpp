@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <tuple>
 
+#include "claray/shared/lists/lobes.h"
+
 namespace claray {
 namespace {
 
@@ -41,6 +43,8 @@ Wavefront::Wavefront(const SceneBuffers& on, const FrameData& of, WavefrontKerne
 }
 
 std::size_t Wavefront::floats_per_path() const {
+    const unsigned layers = kernels.config.light_layers;
+    if (layers > 0) return CLARAY_FLOATS_BEFORE_LAYERS + floats_of_layers(layers);
     return floats_of_paths(scene.where) + (frame.guide.lessons != 0 ? 3 * CLARAY_GUIDE_LESSONS : 0);
 }
 
@@ -73,13 +77,13 @@ void Wavefront::replace_scene(const SceneBuffers& by) {
     frame.lights = scene.lights, frame.tables = scene.where;
 }
 
-void Wavefront::generate(const Batch& batch, bool centers) {
+void Wavefront::generate(const Batch& batch, bool centers, const Buffer<float>& radiance) {
     const std::uint32_t paths = batch.pixels * batch.samples;
     const bool cpu = scene.structure.device().info().type == DeviceType::cpu;
     const RayArrays& first = queues.of_depth(0);
     queues.lengths.of_rays(0).fill(paths);
     kernels.generate.run({cpu ? (paths + 15) / 16 : paths, 64}, batch, frame, std::uint32_t(centers), scene.tables,
-                         first.rays, first.states, arg("radiance", queues.radiance), arg("times", first.times));
+                         first.rays, first.states, arg("radiance", radiance), arg("times", first.times));
 }
 
 void Wavefront::trace(const Batch& batch) {
@@ -174,13 +178,26 @@ void Wavefront::trace_shadows(std::uint32_t limit, const Buffer<std::uint32_t>& 
     }
     if (!kernels.config.approximate.no_shadows)
         kernels.trace_shadow.any(shadow.rays, shadow.occluded, limit, length, shadow.times);
-    kernels.add_light.run({limit, 64}, length, limit, shadow.occluded, shadow.light, queues.radiance);
+    if (kernels.config.light_layers > 0)
+        kernels.add_light.run({limit, 64}, length, limit, shadow.occluded, shadow.light, queues.radiance,
+                              queues.room());
+    else
+        kernels.add_light.run({limit, 64}, length, limit, shadow.occluded, shadow.light, queues.radiance);
 }
 
-void Wavefront::trace_centers(const Batch& batch, SceneQuery& query) {
+void Wavefront::trace_camera_rays(const Batch& batch, const Buffer<float>& room) {
     const std::uint32_t paths = batch.pixels * batch.samples;
     make_room(paths);
-    generate(batch, true);
+    generate(batch, false, room);
+    const RayArrays& first = queues.of_depth(0);
+    kernels.trace_camera.closest(first.rays, queues.hits, paths, queues.lengths.of_rays(0), first.times);
+    queues.lengths.of_rays(0).fill(0);
+}
+
+void Wavefront::trace_first_hits(const Batch& batch, SceneQuery& query, bool centers) {
+    const std::uint32_t paths = batch.pixels * batch.samples;
+    make_room(paths);
+    generate(batch, centers);
     const RayArrays& first = queues.of_depth(0);
     query.closest(first.rays, queues.hits, paths, queues.lengths.of_rays(0), first.times);
     queues.lengths.of_rays(0).fill(0);

@@ -36,13 +36,16 @@ struct Wavefront {
 
     /// Traces the paths of a batch of at most `queues.capacity`; asynchronous. Their radiance is in `queues`.
     void trace(const Batch& batch);
-    /// First hits of rays through pixel centres; asynchronous.
-    void trace_centers(const Batch& batch, SceneQuery& query);
+    /// First hits of camera rays: as `generate`; asynchronous.
+    void trace_first_hits(const Batch& batch, SceneQuery& query, bool centers);
+
+    /// First hits of the rays of `trace`, whose radiance stays; `room`: 3 floats for each path, which become 0.
+    void trace_camera_rays(const Batch& batch, const Buffer<float>& room);
 
     // The stages; asynchronous. `limit`: an upper limit of the rays in the queue.
     [[nodiscard]] Step step_of(const Batch& batch, std::uint32_t depth, std::uint32_t limit) const;
     /// Rays through random points of the pixels, or through their centres.
-    void generate(const Batch& batch, bool centers);
+    void generate(const Batch& batch, bool centers) { generate(batch, centers, queues.radiance); }
     /// All stages of the rays of `first_depth`. `arrived`: their hits are known.
     void trace_stages(const Batch& batch, bool arrived, std::uint32_t first_depth = 0);
     /// `scatter` and `look_for_light`.
@@ -65,6 +68,7 @@ struct Wavefront {
     PathKernels path_kernels;
 
 private:
+    void generate(const Batch& batch, bool centers, const Buffer<float>& radiance);
     void trace_paths(const Batch& batch);
     void trace_last_paths(const Batch& batch, std::uint32_t depth, std::uint32_t limit);
     void sum_tiles(const Batch& batch);

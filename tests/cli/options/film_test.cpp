@@ -88,6 +88,29 @@ TEST_F(Film, AovsAreLayersOfAnExr) {
     const Texture image = load_image(path("a.exr"));
     EXPECT_GT(*std::max_element(image.floats.begin(), image.floats.end()), 0.f);
 }
+
+TEST_F(Film, CryptomattesAndLightAreLayersOfAnExr) {
+    const std::vector<std::string> quick = {"--size", "16x12", "--spp", "1", "-q"};
+    const auto run = [&](std::vector<std::string> arguments) {
+        arguments.insert(arguments.end(), quick.begin(), quick.end());
+        return run_claray(arguments);
+    };
+    const ProcessResult result = run(
+        {"render", "cornell", "-o", path("b.exr"), "--aov", "crypto_object,lobes", "--light-group", "lamp=material:3"});
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    EXPECT_EQ(folder_.entries(), 1u);
+    const std::string bytes = read_file(path("b.exr"));
+    for (const char* name : {"crypto_object.R", "crypto_object00.A", "cryptomatte/f834d0a/conversion",
+                             "lobe_diffuse_direct.R", "lobe_rest.B", "light_lamp.G", "light_rest.G"})
+        EXPECT_NE(bytes.find(std::string(name) + '\0'), bytes.npos) << name;
+    EXPECT_NE(bytes.find("uint32_to_float32"), bytes.npos);
+    EXPECT_TRUE(failed_with(run({"render", "cornell", "-o", path("a.png"), "--aov", "crypto_object"}), 2, "NAME.exr"));
+    EXPECT_TRUE(
+        failed_with(run({"render", "cornell", "-o", path("a.png"), "--light-group", "a=moon"}), 2, "there are: sky"));
+    EXPECT_EQ(folder_.entries(), 1u);
+    ASSERT_EQ(run({"render", "cornell", "-o", path("a.png"), "--light-group", "a=sky"}).exit_code, 0);
+    EXPECT_EQ(folder_.entries(), 6u) << "a.png, and .png and .pfm of light_a and of light_rest";
+}
 #endif
 
 }  // namespace

@@ -44,9 +44,34 @@ def test_names_are_those_of_the_library():
     for name, of in (("Sampler", _options.Sampler), ("Denoiser", _options.Denoiser), ("ToneMap", _options.ToneMap),
                      ("Layout", _options.Layout), ("NormalPacking", _options.NormalPacking), ("Builder", _options.Builder),
                      ("MaterialKind", _records.MaterialKind), ("LightKind", _records.LightKind),
-                     ("Projection", _records.Projection), ("AlphaMode", _records.AlphaMode), ("AlphaTest", _records.AlphaTest)):
+                     ("Projection", _records.Projection), ("AlphaMode", _records.AlphaMode), ("AlphaTest", _records.AlphaTest),
+                     ("MaterialRole", _records.MaterialRole), ("Stereo", _records.Stereo)):
         assert literal(of) == set(names[name]), name
     assert literal(_options.Approximation) == set(names["Approximation"].split(","))
+
+
+def test_regions_have_the_bits_of_the_whole_image():
+    scene = claray.load("cornell")
+    whole = claray.render(scene, width=40, height=30, spp=4)
+    part = claray.Renderer(scene, width=40, height=30, spp=4, region=(5, 7, 12, 9))
+    assert (part.image() == whole[7:16, 5:17]).all() and part.aovs()["depth"].shape == (9, 12)
+    refused("region", lambda: claray.Renderer(scene, width=40, height=30, region=(0, 0, 41, 1)), "not within")
+    refused("region", lambda: claray.Renderer(scene, region=3))
+
+
+def test_images_have_alpha():
+    scene = claray.load("ball:500")
+    renderer = claray.Renderer(scene, width=32, height=32, spp=4, alpha=True)
+    alpha = renderer.alpha()
+    assert alpha.shape == (32, 32) and alpha.min() == 0 and alpha.max() == 1
+    assert (renderer.image()[alpha == 0] == 0).all()
+    for material in scene.materials:
+        material.role = "holdout"
+    renderer.update(scene, materials=True)
+    renderer.render()
+    assert (renderer.alpha() == 0).all() and scene.materials[0].role == "holdout"
+    assert (claray.Renderer(scene, width=8, height=8, spp=1).alpha() == 1).all()
+    refused("role", lambda: setattr(scene.materials[0], "role", "ghost"), "holdout")
 
 
 def test_results_are_those_of_the_library(renderer):
@@ -253,6 +278,55 @@ def test_images_are_saved_with_layers(tmp_path, renderer):
     refused("layers", lambda: image.save(tmp_path / "a.png", layers=aovs), "exr")
     with pytest.raises(claray.UsageError, match=r"layers\['depth'\]"):
         image.save(tmp_path / "b.exr", layers={"depth": aovs["depth"][1:]})
+
+
+def test_layers_tell_surfaces(renderer):
+    aovs = renderer.aovs()
+    seen = aovs["primitive"] != claray.MISS
+    assert aovs["uv"].shape == (*seen.shape, 2) and aovs["motion"].dtype == np.float32 and not aovs["motion"].any()
+    assert aovs["object"].dtype == np.uint32 and (aovs["object"] != claray.MISS)[seen].all()
+    assert aovs["position"].shape == (*seen.shape, 3) and np.isfinite(aovs["position"]).all()
+
+
+def test_cryptomattes_are_masks_and_layers(tmp_path):
+    scene = claray.Scene()
+    red, blue = scene.add_material(albedo=(1, 0, 0), name="red"), scene.add_material(albedo=(0, 0, 1), name="blue")
+    square = np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], np.float32)
+    for material, x in ((red, -1), (blue, 1)):
+        scene.add_mesh(square + (x, 0, 0), [(0, 1, 2), (0, 2, 3)], material=material)
+    scene.camera = claray.Camera(position=(0, 0, 6), target=(0, 0, 0))
+    renderer = claray.Renderer(scene, width=33, height=24, spp=1)
+    matte = renderer.cryptomatte("material", samples=32)
+    assert matte.name == "crypto_material" and set(matte.manifest) == {"red", "blue"}
+    both = matte.mask("red", "blue")
+    np.testing.assert_allclose(both, matte.coverage.sum(axis=-1), atol=1e-6)
+    assert both.max() == 1 and both.min() == 0
+    assert matte.mask("red")[12, 8] == 1 and matte.mask("red")[12, 24] == 0
+    assert 0 < matte.mask("red")[12, 16] < 1, "the middle column shows both"
+    refused("names", lambda: matte.mask("green"), "red")
+    refused("kind", lambda: renderer.cryptomatte("light"))
+    path = tmp_path / "matte.exr"
+    renderer.image().save(path, layers={"matte": matte, "uv": renderer.aovs()["uv"]})
+    data = path.read_bytes()
+    for text in (b"crypto_material00.R\0", b"uv.U\0", b"cryptomatte/bda530a/manifest\0", b'"red":'):
+        assert text in data
+
+
+def test_light_is_split_into_layers():
+    scene = claray.load("cornell")
+    lamp = next(f"material:{i}" for i, one in enumerate(scene.materials) if max(one.emission) > 0)
+    options = {"width": 24, "height": 16, "spp": 16}
+    renderer = claray.Renderer(scene, **options, lobes=True, light_groups={"lamp": [lamp]})
+    image, layers = renderer.image(), renderer.light_layers()
+    assert (image == claray.Renderer(scene, **options).image()).all()
+    lobes = sum(pixels.astype(np.float64) for name, pixels in layers.items() if name.startswith("lobe_"))
+    np.testing.assert_allclose(lobes, image, rtol=1e-6, atol=1e-9)
+    assert layers["lobe_diffuse_indirect"].mean() > 0 and abs(layers["lobe_rest"]).max() < 1e-5
+    refused("light_groups", lambda: claray.Renderer(scene, **options, light_groups=["lamp"]))
+    with pytest.raises(claray.UsageError, match="there is no light 'moon'"):
+        claray.Renderer(scene, **options, light_groups={"key": ["moon"]})
+    with pytest.raises(claray.UsageError, match="keeps no layers"):
+        claray.Renderer(scene, **options).light_layers()
 
 
 def test_images_are_compared_and_coloured(renderer):

@@ -172,6 +172,23 @@ def test_cameras_have_all_projections_and_move():
     refused("position_end", lambda: setattr(scene.camera, "position_end", "there"))
 
 
+def test_cameras_have_lenses():
+    scene = lit(kind="unlit")
+    scene.add_mesh(*QUAD)
+    scene.sky = 0, 0, 0
+    scene.camera = claray.Camera(position=(0, 0, 2), target=(0, 0, 0), projection="fisheye", vertical_fov=180)
+    assert 0 < seen(scene, 16).mean() < 1
+    scene.camera = claray.Camera(position=(0, 0, 9), target=(0, 0, -9), stereo="side-by-side", eye_distance=1)
+    assert scene.camera.stereo == "side-by-side" and scene.camera.eye_distance == 1
+    left, right = np.split(claray.render(scene, width=32, height=16, spp=4), 2, axis=1)
+    assert (left != right).any() and abs(left.mean() - right.mean()) < 0.05
+    scene.camera = claray.Camera(position=(0, 0, 2), target=(0, 0, 0), shift=(0.25, 0), tilt=(0, 0))
+    assert scene.camera.shift == (0.25, 0)
+    refused("stereo", lambda: setattr(scene.camera, "stereo", "three"), "top-bottom")
+    scene.camera = claray.Camera(position=(0, 0, 2), target=(0, 0, 0), projection="cube", shift=(0.25, 0))
+    refused("camera", lambda: seen(scene, 4), "shift")
+
+
 def test_files_are_loaded_by_options(tmp_path):
     (tmp_path / "line.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\nf 1 2 3\n")
     with pytest.warns(UserWarning, match="left out"):

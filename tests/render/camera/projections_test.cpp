@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "claray/renderer.hpp"
+#include "claray/shared/camera/lens.h"
 #include "host/scene/camera.hpp"
 #include "tests/support/device.hpp"
 
@@ -34,11 +35,12 @@ Scene room() {
 TEST_P(Projections, PlacePointsWhereTheyAim) {
     for (double x = -0.95; x < 1; x += 0.19)
         for (double y = -0.9; y < 1; y += 0.2) {
-            const ProjectionRay ray = aim_ray(std::uint32_t(GetParam().kind), x, y);
-            const double distance = 2.5;
+            const auto kind = std::uint32_t(GetParam().kind);
+            const double half_width = 1.3, half_height = 0.8, distance = 2.5;
+            const ProjectionRay ray = aim_any(kind, x, y, half_width, half_height);
             const ProjectionPlace place =
-                place_in_image(std::uint32_t(GetParam().kind), ray.from_right + distance * ray.right,
-                               ray.from_up + distance * ray.up, distance * ray.forward);
+                place_in_any(kind, ray.from_right + distance * ray.right, ray.from_up + distance * ray.up,
+                             distance * ray.forward, half_width, half_height);
             EXPECT_EQ(place.seen, 1u);
             EXPECT_NEAR(place.x, x, 1e-12);
             EXPECT_NEAR(place.y, y, 1e-12);

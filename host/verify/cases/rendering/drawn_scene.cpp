@@ -237,7 +237,7 @@ private:
         if (one_in(3)) c.aperture_radius = random_.uniform(0.01f, 0.3f), c.focus_distance = random_.uniform(0.f, 4.f);
         if (one_in(4)) c.position_end = c.position + move();
         if (one_in(4)) c.target_end = c.target + move();
-        if (one_in(2)) c.projection = one_of(projections).kind;
+        if (one_in(2)) c.projection = one_of({Projection::perspective, Projection::orthographic, Projection::panorama});
         if (!traits_of(c.projection)->flat) c.aperture_radius = 0.f;
         return c;
     }

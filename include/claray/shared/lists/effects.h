@@ -55,6 +55,9 @@
     X(depth_of_field, "depth-of-field", DEPTH_OF_FIELD, 0, generate, CLARAY_LANES_ALL, 0)                                   \
     X(camera_motion, "camera-motion", CAMERA_MOTION, 0, generate, CLARAY_LANES_ALL, 0)                                      \
     CLARAY_OTHER_PROJECTIONS(PROJECTION)                                                                                    \
+    X(stereo, "stereo", PROJECTIONS, CLARAY_STEREO, generate | shade, CLARAY_LANES_ALL, 0)                                  \
+    X(lens_shift, "lens-shift", PROJECTIONS, CLARAY_SHIFT, generate | shade, CLARAY_LANES_ALL, 0)                           \
+    X(tilted_focus, "tilted-focus", PROJECTIONS, CLARAY_TILT, generate | shade, CLARAY_LANES_ALL, 0)                        \
     X(instances, "instances", INSTANCES, 0, none, CLARAY_LANES_NONE, 0)                                                     \
     X(instance_motion, "instance-motion", INSTANCE_MOTION, 0, none, CLARAY_LANES_NONE, 0)                                   \
     X(primitives, "primitives", PRIMITIVES, 0, none, CLARAY_LANES_LISTS, 0)                                                 \

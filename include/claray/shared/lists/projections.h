@@ -14,6 +14,39 @@
 #define CLARAY_PERSPECTIVE 0u
 #define CLARAY_ORTHOGRAPHIC 1u
 #define CLARAY_PANORAMA 2u
+#define CLARAY_CUBE 3u
+#define CLARAY_FISHEYE 4u
+#define CLARAY_EQUISOLID 5u
+// Bit numbers in PROJECTIONS only: what a camera of any projection may have.
+#define CLARAY_STEREO 6u
+#define CLARAY_SHIFT 7u
+#define CLARAY_TILT 8u
+
+// CameraData::projection: the projection in its low bits, and these. The camera does not move: `view` and `above` of
+// CameraData then hold numbers of the lens (claray/shared/camera/lens.h).
+#define CLARAY_KIND_BITS 0xffu
+#define CLARAY_SIDE_BY_SIDE 0x100u
+#define CLARAY_TOP_BOTTOM 0x200u
+#define CLARAY_SHIFTED 0x400u
+#define CLARAY_TILTED 0x800u
+
+#ifdef __OPENCL_C_VERSION__
+#ifndef PROJECTIONS
+#define PROJECTIONS 0xffffffffu  // the projections that a scene calls for, beside perspective
+#endif
+#define CLARAY_USES_PROJECTION(NAME) (PROJECTIONS >> CLARAY_##NAME & 1u)
+// Kernels of other scenes have no text of these.
+#define CLARAY_USES_LENSES (PROJECTIONS >> 3)
+#else
+#define CLARAY_USES_PROJECTION(NAME) true
+#define CLARAY_USES_LENSES 1
+#endif
+
+#if CLARAY_USES_LENSES
+#define CLARAY_KIND_OF(projection) (projection & CLARAY_KIND_BITS)
+#else
+#define CLARAY_KIND_OF(projection) projection
+#endif
 
 // A row is X(name, NAME, "name for users", flat, parallel, stretch):
 //   name      Projection::name, Effect::name, and below aim_name and place_name
@@ -22,10 +55,22 @@
 //   parallel  1: all rays are parallel
 //   stretch   the angle that a step of `up` spans at the image's centre, over the length of `up`
 
-/// Every camera that is not perspective is an effect.
-#define CLARAY_OTHER_PROJECTIONS(X)                          \
+#define CLARAY_PLAIN_PROJECTIONS(X)                          \
     X(orthographic, ORTHOGRAPHIC, "orthographic", 1, 1, 1.f) \
     X(panorama, PANORAMA, "panorama", 0, 0, 1.57079633f)
+
+/// Projections whose functions take `half_width` and `half_height` of CameraData, too.
+#if CLARAY_USES_LENSES
+#define CLARAY_WIDE_PROJECTIONS(X)            \
+    X(cube, CUBE, "cube", 0, 0, 1.f)          \
+    X(fisheye, FISHEYE, "fisheye", 0, 0, 1.f) \
+    X(equisolid, EQUISOLID, "equisolid", 0, 0, 1.f)
+#else
+#define CLARAY_WIDE_PROJECTIONS(X)
+#endif
+
+/// Every camera that is not perspective is an effect.
+#define CLARAY_OTHER_PROJECTIONS(X) CLARAY_PLAIN_PROJECTIONS(X) CLARAY_WIDE_PROJECTIONS(X)
 
 #define CLARAY_PROJECTIONS(X)                             \
     X(perspective, PERSPECTIVE, "perspective", 1, 0, 1.f) \
@@ -88,35 +133,27 @@ CLARAY_SHARED_FUNCTION ProjectionPlace place_panorama(ProjectionReal right, Proj
     return place;
 }
 
-#ifdef __OPENCL_C_VERSION__
-#ifndef PROJECTIONS
-#define PROJECTIONS 0xffffffffu  // the projections that a scene calls for, beside perspective
-#endif
-#define CLARAY_USES_PROJECTION(NAME) (PROJECTIONS >> CLARAY_##NAME & 1u)
-#else
-#define CLARAY_USES_PROJECTION(NAME) true
-#endif
-
 CLARAY_SHARED_FUNCTION ProjectionRay aim_ray(uint projection, ProjectionReal x, ProjectionReal y) {
 #define CLARAY_AIM(name, NAME, text, flat, parallel, stretch) \
-    if (CLARAY_USES_PROJECTION(NAME) && projection == CLARAY_##NAME) return aim_##name(x, y);
-    CLARAY_OTHER_PROJECTIONS(CLARAY_AIM)
+    if (CLARAY_USES_PROJECTION(NAME) && CLARAY_KIND_OF(projection) == CLARAY_##NAME) return aim_##name(x, y);
+    CLARAY_PLAIN_PROJECTIONS(CLARAY_AIM)
 #undef CLARAY_AIM
     return aim_perspective(x, y);
 }
 
 CLARAY_SHARED_FUNCTION ProjectionPlace place_in_image(uint projection, ProjectionReal right, ProjectionReal up,
                                                       ProjectionReal forward) {
-#define CLARAY_PLACE(name, NAME, text, flat, parallel, stretch) \
-    if (CLARAY_USES_PROJECTION(NAME) && projection == CLARAY_##NAME) return place_##name(right, up, forward);
-    CLARAY_OTHER_PROJECTIONS(CLARAY_PLACE)
+#define CLARAY_PLACE(name, NAME, text, flat, parallel, stretch)                      \
+    if (CLARAY_USES_PROJECTION(NAME) && CLARAY_KIND_OF(projection) == CLARAY_##NAME) \
+        return place_##name(right, up, forward);
+    CLARAY_PLAIN_PROJECTIONS(CLARAY_PLACE)
 #undef CLARAY_PLACE
     return place_perspective(right, up, forward);
 }
 
 CLARAY_SHARED_FUNCTION bool has_parallel_rays(uint projection) {
 #define CLARAY_PARALLEL(name, NAME, text, flat, parallel, stretch) \
-    if (CLARAY_USES_PROJECTION(NAME) && projection == CLARAY_##NAME) return parallel != 0;
+    if (CLARAY_USES_PROJECTION(NAME) && CLARAY_KIND_OF(projection) == CLARAY_##NAME) return parallel != 0;
     CLARAY_OTHER_PROJECTIONS(CLARAY_PARALLEL)
 #undef CLARAY_PARALLEL
     return false;
@@ -124,7 +161,7 @@ CLARAY_SHARED_FUNCTION bool has_parallel_rays(uint projection) {
 
 CLARAY_SHARED_FUNCTION ProjectionReal stretch_of_projection(uint projection) {
 #define CLARAY_IMAGE_STRETCH(name, NAME, text, flat, parallel, stretch) \
-    if (CLARAY_USES_PROJECTION(NAME) && projection == CLARAY_##NAME) return stretch;
+    if (CLARAY_USES_PROJECTION(NAME) && CLARAY_KIND_OF(projection) == CLARAY_##NAME) return stretch;
     CLARAY_OTHER_PROJECTIONS(CLARAY_IMAGE_STRETCH)
 #undef CLARAY_IMAGE_STRETCH
     return 1;
