@@ -12,15 +12,15 @@ namespace claray::cli {
 using Action = std::function<void()>;
 
 /// All commands, in the order of the help.
-#define CLARAY_COMMANDS(X)                                                                                         \
-    X(devices)                                                                                                     \
-    X(scenes)                                                                                                      \
-    X(info)                                                                                                        \
-    X(render)                                                                                                      \
-    X(explain)                                                                                                     \
-    X(compile)                                                                                                     \
-    X(bake) X(build) X(bench) X(tune) X(verify) X(attest) X(accuracy) X(view) X(probe) X(normal_map) X(completion) \
-        X(man)
+#define CLARAY_COMMANDS(X) \
+    X(devices)             \
+    X(scenes)              \
+    X(info)                \
+    X(render)              \
+    X(explain)             \
+    X(compile)             \
+    X(bake)                \
+    X(build) X(bench) X(tune) X(verify) X(attest) X(accuracy) X(view) X(probe) X(normal_map) X(completion) X(man)
 
 #define CLARAY_DECLARE(name) void add_##name##_command(CLI::App& app, Action& action);
 CLARAY_COMMANDS(CLARAY_DECLARE)

@@ -152,7 +152,8 @@ TEST_F(DarkFile, LightInPhysicalUnitsIsExposed) {
     EXPECT_NEAR(middle_of(path("a.png")), chosen, 3);
     EXPECT_FALSE(tells(lit("2000", {"-o", path("a.pfm")}), line)) << "which stores the radiance";
     EXPECT_NEAR(load_image(path("a.pfm")).floats[3 * (16 * 8 + 8)], 2000 * 0.5 / 3.14159265, 1);
-    EXPECT_TRUE(tells(lit("3", {"-o", path("a.hdr"), "--exposure", "automatic"}), "apply to .png, .jpg, .webp and videos only"));
+    EXPECT_TRUE(tells(lit("3", {"-o", path("a.hdr"), "--exposure", "automatic"}),
+                      "apply to .png, .jpg, .webp and videos only"));
     EXPECT_NE(render({"--exposure", "bright"}).errors.find("not a number; write it as in -1.5, or automatic"),
               std::string::npos);
 }

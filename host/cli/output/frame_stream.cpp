@@ -16,8 +16,7 @@ FrameStream::FrameStream(const RenderOptions& options) : options_(options) {
 void FrameStream::add(const std::vector<glm::vec3>& pixels, float exposure) {
     if (video_) return video_->add(pixels, exposure, options_.tone_map);
     const Image image{options_.config.image_width(), options_.config.image_height(), pixels};
-    const std::string bytes =
-        encode_image(options_.output, image, exposure, options_.tone_map, encoding_of(options_));
+    const std::string bytes = encode_image(options_.output, image, exposure, options_.tone_map, encoding_of(options_));
     images_->write(bytes.data(), bytes.size());
 }
 
