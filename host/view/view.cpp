@@ -85,15 +85,16 @@ Renderer& View::complete_renderer() {
 void View::render(double seconds, const Interrupted& interrupted) {
     const Clock::time_point begin = Clock::now();
     Renderer& renderer = complete_renderer();
+    double noise = 0;
     if (spp_ == 0) {
         if (denoises_) renderer.restart(++seed_);
         const auto goes_on = [&](const RenderProgress&) { return !interrupted(); };
-        spp_ = interrupted ? renderer.render_for(0, goes_on).spp : renderer.render_for(0).spp;
+        const RenderProgress first = interrupted ? renderer.render_for(0, goes_on) : renderer.render_for(0);
+        spp_ = first.spp, noise = first.noise;
         if (spp_ == 0) return;  // not every pixel has a sample
         preview_.complete_took(seconds_since(begin));
         curve_ = {}, ++run_;
     }
-    double noise = 0;
     for (double left = seconds - seconds_since(begin); left > 0; left = seconds - seconds_since(begin)) {
         const RenderProgress progress = renderer.render_for(interrupted ? std::min(left, longest_slice) : left);
         spp_ = progress.spp, noise = progress.noise;

@@ -1,6 +1,9 @@
 // `claray view` as a web page: the browser that it opens, and the render that it saves.
 #include <gtest/gtest.h>
 #include <httplib.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <nlohmann/json.hpp>
@@ -10,6 +13,17 @@
 
 namespace claray::test {
 namespace {
+
+int free_port() {
+    sockaddr_in address{};
+    address.sin_family = AF_INET, address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
+    EXPECT_EQ(::bind(socket, reinterpret_cast<const sockaddr*>(&address), size), 0);
+    EXPECT_EQ(::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size), 0);
+    ::close(socket);
+    return ntohs(address.sin_port);
+}
 
 /// Stands for the browser: writes the address that it shall show to a file.
 class ViewProgramPage : public testing::Test {
@@ -57,12 +71,15 @@ TEST_F(ViewProgramPage, OpensABrowserAndSavesTheRender) {
     (void)view.wait();
 }
 
+/// A browser would be opened before the first command is run.
 TEST_F(ViewProgramPage, OpensNoBrowserIfToldSo) {
-    Process view({CLARAY_PROGRAM, "view", "cornell", "--port", "0", "--size", "8x8", "--spp", "1", "--no-browser"},
+    const int port = free_port();
+    Process view({CLARAY_PROGRAM, "view", "cornell", "--port", std::to_string(port), "--size", "8x8", "--spp", "1",
+                  "--no-browser"},
                  display());
-    ASSERT_TRUE(view.brings_about([&] { return view.handles(SIGINT); }));
-    view.send(SIGINT);
-    (void)view.wait();
+    httplib::Client client("127.0.0.1", port);
+    ASSERT_TRUE(view.brings_about([&] { return bool(client.Post("/command", "quit", "text/plain")); }));
+    EXPECT_EQ(view.wait().exit_code, 0);
     EXPECT_FALSE(std::filesystem::exists(address()));
 }
 
