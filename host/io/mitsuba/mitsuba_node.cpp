@@ -159,7 +159,7 @@ private:
             const auto found = defaults_.find(name);
             if (found == defaults_.end())
                 node.refuse("the parameter $" + claray::quoted(name) + " has no default",
-                            "add <default name=\"" + claray::quoted(name) + "\" .../>");
+                            "add a <default> of this name");
             result += found->second;
             i = end;
         }
