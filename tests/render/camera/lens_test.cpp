@@ -189,7 +189,7 @@ TEST(Lenses, AreNoTextOfOtherKernels) {
     for (const char* projections : {"0u", "2u", "4u", "6u"}) {
         const std::string without = text(projections).output;
         EXPECT_NE(without.find("aim_panorama"), std::string::npos);
-        for (const char* word : {"lens", "aim_cube", "fisheye", "equisolid"})
+        for (const char* word : {"aim_lens", "lens_ray", "aim_cube", "fisheye", "equisolid"})
             EXPECT_EQ(without.find(word), std::string::npos) << word;
     }
 }

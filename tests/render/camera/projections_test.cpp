@@ -33,7 +33,7 @@ Scene room() {
 }
 
 TEST_P(Projections, PlacePointsWhereTheyAim) {
-    for (double x = -0.95; x < 1; x += 0.19)
+    for (double x = -0.94; x < 1; x += 0.19)  // not at the edges of faces, which two have in common
         for (double y = -0.9; y < 1; y += 0.2) {
             const auto kind = std::uint32_t(GetParam().kind);
             const double half_width = 1.3, half_height = 0.8, distance = 2.5;
