@@ -172,8 +172,8 @@ std::unordered_set<std::string_view> words_of(std::string_view text) {
 /// What is known of the texts in use, so that each is read once. Threads that load kernels share it.
 struct KnownTexts {
     std::mutex mutex;
-    std::unordered_map<const KernelSource*, std::unordered_set<std::string_view>> words;
-    std::unordered_map<const KernelSource*, std::vector<const KernelSource*>> with_included;
+    using Words = std::unordered_set<std::string_view>;
+    std::unordered_map<const KernelSource*, Words> own, with_included;
     unsigned replaced = 0;  // the number of replacements when they were read
 };
 
@@ -181,33 +181,35 @@ struct KnownTexts {
 std::pair<KnownTexts&, std::unique_lock<std::mutex>> known_texts() {
     static KnownTexts known;
     std::unique_lock lock(known.mutex);
-    if (known.replaced != replaced) known.words.clear(), known.with_included.clear();
+    if (known.replaced != replaced) known.own.clear(), known.with_included.clear();
     known.replaced = replaced;
     return {known, std::move(lock)};
 }
 
-bool mentions(KnownTexts& known, const KernelSource& source, std::string_view macro) {
-    const auto [entry, is_new] = known.words.try_emplace(&source);
+const KnownTexts::Words& own_words(KnownTexts& known, const KernelSource& source) {
+    const auto [entry, is_new] = known.own.try_emplace(&source);
     if (is_new) entry->second = words_of(source.text);
-    return entry->second.contains(macro);
+    return entry->second;
 }
 
 }  // namespace
 
 bool mentions(const KernelSource& source, const std::string& macro) {
     const auto [known, lock] = known_texts();
-    return mentions(known, source, macro);
+    return own_words(known, source).contains(macro);
 }
 
 bool needs(const KernelSource& source, const std::string& macro) {
     const auto [known, lock] = known_texts();
     const auto [entry, is_new] = known.with_included.try_emplace(&source);
     if (is_new) {
-        entry->second = included_sources(source.text);
-        entry->second.push_back(&source);
+        entry->second = own_words(known, source);
+        for (const KernelSource* text : included_sources(source.text)) {
+            const KnownTexts::Words& words = own_words(known, *text);
+            entry->second.insert(words.begin(), words.end());
+        }
     }
-    return std::any_of(entry->second.begin(), entry->second.end(),
-                       [&, &texts = known](const KernelSource* text) { return mentions(texts, *text, macro); });
+    return entry->second.contains(macro);
 }
 
 std::string digest_of_texts(const KernelSource& main) {

@@ -163,7 +163,8 @@ TEST(LightLayers, TellDirectFromIndirectLight) {
                                mean(layers.at("lobe_emission")) + mean(layers.at("lobe_environment"));
     const glm::vec3 of_image = mean(direct.image());
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(of_lobes[c] / of_image[c], 1, 0.02);
-    const glm::vec3 indirect = mean(layers.at("lobe_diffuse_indirect")), others = mean(all.image()) - of_image;
+    const glm::vec3 indirect = mean(layers.at("lobe_diffuse_indirect")),
+                    others = glm::vec3(mean(all.image())) - of_image;
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(indirect[c] / others[c], 1, 0.05);
 }
 
