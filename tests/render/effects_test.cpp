@@ -151,8 +151,10 @@ TEST(Effects, HaveBuiltInScenes) {
         const Scene scene = *builtin_scene(std::string("effect:") + name_of(effect));
         validate(scene);
         EXPECT_TRUE(effects_of(scene).has(effect));
-        const EffectSet relief = effect == Effect::layered_coat ? EffectSet{Effect::normal_maps} : EffectSet();
-        EXPECT_EQ(effects_of(scene) - base - relief - EffectSet{effect}, EffectSet());
+        const EffectSet needed = effect == Effect::layered_coat   ? EffectSet{Effect::normal_maps}
+                                 : effect == Effect::tilted_focus ? EffectSet{Effect::depth_of_field}
+                                                                  : EffectSet();
+        EXPECT_EQ(effects_of(scene) - base - needed - EffectSet{effect}, EffectSet());
         expect_picture(scene);
     }
     const Scene all = *builtin_scene("effects");

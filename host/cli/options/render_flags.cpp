@@ -122,12 +122,12 @@ void add_image_options(CLI::App& command, RenderOptions& o) {
         ->delimiter(',')
         ->check(name_among(names))
         ->type_name("NAME,...");
+    group.next("Image files");
     command
         .add_option("--light-group", o.config.light_groups,
                     "NAME=LIGHT,LIGHT: also write the light of these as light_NAME, by the names of lights and of "
                     "emissive materials, light:N, material:N or sky; may be repeated. light_rest has all other light")
         ->type_name("GROUP");
-    group.next("Image files");
     add_encoding_options(command, o);
     command
         .add_option("--light-map", o.light_maps, "MESH=FILE: light map of a mesh, from claray bake; may be repeated")

@@ -7,6 +7,7 @@
 
 #include "host/base/color.hpp"
 #include "host/base/format.hpp"
+#include "host/cli/help/help.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/output/outputs.hpp"
 #include "host/io/image/write/encode.hpp"
@@ -106,28 +107,30 @@ std::vector<Pixel> framed(const std::vector<Pixel>& part, const RenderConfig& co
 }  // namespace
 
 void add_alpha_options(CLI::App& command, RenderOptions& o) {
+    OptionGroup group(command, "Output");
     command
         .add_option_function<std::string>(
             "--region", [&o](const std::string& text) { o.config.region = parse_region(text); },
             "X,Y,WIDTH,HEIGHT: render these pixels only, from the top left; the image has their size")
         ->type_name("X,Y,W,H");
-    command.add_flag("--full-frame", o.full_frame, "Write the pixels of --region at their place in the whole image");
     const std::vector<std::pair<std::string, AlphaStorage>> kinds = {{"automatic", AlphaStorage::by_format},
                                                                      {"straight", AlphaStorage::straight},
                                                                      {"premultiplied", AlphaStorage::premultiplied}};
     command
         .add_flag("--alpha{automatic}", o.alpha,
-                  "Leave the background transparent, which still lights the scene, in .png or .exr;\n"
-                  "=straight or =premultiplied [straight in a PNG, premultiplied in an EXR]")
+                  "Leave the background transparent, which still lights the scene, in .png or .exr. "
+                  "=straight or =premultiplied: the colours [straight in a PNG, premultiplied in an EXR]")
         ->transform(choice_of(kinds));
+    group.next("Alpha");
+    command.add_flag("--full-frame", o.full_frame, "Write the pixels of --region at their place in the whole image");
     command
         .add_option("--holdout", o.holdouts,
                     "Cut the surfaces of a material out of the image with alpha; may be repeated")
         ->type_name("MATERIAL");
     command
         .add_option("--shadow-catcher", o.catchers,
-                    "Show of a material only the shadows and the light that other surfaces cast on it, by alpha;\n"
-                    "plane: of a ground plane below the scene; may be repeated")
+                    "Show of a material only the shadows and the light that other surfaces cast on it, by alpha. "
+                    "plane: of a ground plane below the scene. May be repeated")
         ->type_name("MATERIAL");
 }
 

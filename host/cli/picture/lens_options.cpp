@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "host/cli/help/help.hpp"
 #include "host/cli/options/option_rules.hpp"
 
 namespace claray::cli {
@@ -76,6 +77,7 @@ Camera with_lens(Camera camera, const LensOptions& o) {
 }
 
 void add_exposure_options(CLI::App& command, RenderOptions& o) {
+    OptionGroup group(command, "Lens and motion");
     command
         .add_option("--iso", o.iso,
                     "Sensor speed: with --f-number and --shutter-time the exposure of a PNG, if radiance is in cd/m^2")
