@@ -54,7 +54,7 @@ TEST(ProbeCommand, WritesSurroundings) {
 }
 
 TEST(ProbeCommand, BadInput) {
-    EXPECT_TRUE(failed_with(run_claray({"probe", "cornell", "-o", "light.txt", "--from", "0,1,0"}), 2, ".pfm or .exr"));
+    EXPECT_TRUE(failed_with(run_claray({"probe", "cornell", "-o", "light.txt", "--from", "0,1,0"}), 2, ".pfm, .exr"));
     EXPECT_TRUE(failed_with(run_claray({"probe", "cornell", "-o", "light.hdr"}), 2, "--from"));
     EXPECT_TRUE(failed_with(run_claray({"probe", "cornell", "-o", "light.hdr", "--from", "1,2"}), 2, "X,Y,Z"));
     EXPECT_TRUE(failed_with(run_claray({"probe", "nowhere.obj", "-o", "light.hdr", "--from", "0,1,0"}), 1, "nowhere"));
