@@ -52,7 +52,7 @@ bool is_known(const std::string& extension) {
 }
 
 /// One line of at most 200 characters: tinygltf quotes data URIs in full.
-std::string one_line(std::string text) {
+std::string in_one_line(std::string text) {
     while (!text.empty() && (text.back() == '\n' || text.back() == ' ' || text.back() == '.')) text.pop_back();
     for (char& c : text)
         if (c == '\n' || c == '\r') c = ' ';
@@ -65,7 +65,7 @@ void warn_of_remarks(const std::string& remarks, const GltfFile& file, Warnings&
     std::istringstream text(remarks);
     for (std::string line; std::getline(text, line);)
         if (line.find("'inverseBindMatrices' property is missing") == std::string::npos)  // which it may be
-            lines.insert(one_line(line));
+            lines.insert(in_one_line(line));
     for (const std::string& line : lines)
         if (!line.empty())
             warnings.push_back("'" + file.path.string() + "' is not quite a valid glTF: " + line + ": it is ignored");
@@ -91,7 +91,7 @@ void parse(const AdaptedJson& adapted, GltfFile& file, Warnings& warnings) {
     } catch (const std::exception& error) {
         errors = error.what();
     }
-    if (!ok) file.fail("not a valid glTF: " + (errors.empty() ? "a property is missing" : one_line(errors)));
+    if (!ok) file.fail("not a valid glTF: " + (errors.empty() ? "a property is missing" : in_one_line(errors)));
     warn_of_remarks(errors, file, warnings);
 }
 
@@ -143,19 +143,19 @@ void name_images(const std::vector<GltfSource>& sources, GltfFile& file) {
 void check_version(const GltfFile& file) {
     const tinygltf::Asset& asset = file.model.asset;
     if (asset.version.rfind("2.", 0) != 0 || (!asset.minVersion.empty() && asset.minVersion != "2.0"))
-        file.fail("glTF of version " + one_line(asset.minVersion.empty() ? asset.version : asset.minVersion),
+        file.fail("glTF of version " + in_one_line(asset.minVersion.empty() ? asset.version : asset.minVersion),
                   "export it as glTF 2.0");
 }
 
 void check_extensions(const GltfFile& file, Warnings& warnings) {
     for (const std::string& name : file.model.extensionsRequired)
         if (!is_known(name))
-            file.fail("it requires the extension '" + one_line(name) + "', which " +
+            file.fail("it requires the extension '" + in_one_line(name) + "', which " +
                           (is_compression(name) ? "this build of claray cannot decode" : "claray does not know"),
                       "export it without");
     for (const std::string& name : file.model.extensionsUsed)
         if (!is_known(name))
-            warnings.push_back("the extension '" + one_line(name) + "' is not supported: it is ignored");
+            warnings.push_back("the extension '" + in_one_line(name) + "' is not supported: it is ignored");
 }
 
 }  // namespace
@@ -204,7 +204,7 @@ GltfFile read_gltf(const fs::path& path, std::string_view bytes, Warnings& warni
 }
 
 std::string gltf_name(const char* kind, const std::string& name, std::size_t index) {
-    return std::string(kind) + " " + (name.empty() ? to_string(index) : "'" + one_line(name) + "'");
+    return std::string(kind) + " " + (name.empty() ? to_string(index) : "'" + in_one_line(name) + "'");
 }
 
 }  // namespace claray

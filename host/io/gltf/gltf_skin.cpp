@@ -15,7 +15,7 @@ glm::dmat4 matrix_at(const std::vector<float>& numbers, std::size_t index) {
     return matrix;
 }
 
-bool is_finite(const glm::dmat4& m) {
+bool is_finite_matrix(const glm::dmat4& m) {
     for (int i = 0; i < 16; ++i)
         if (!std::isfinite(m[i / 4][i % 4])) return false;
     return true;
@@ -76,7 +76,8 @@ JointMatrices read_skin(const GltfFile& file, std::size_t index, const NodeTrans
         if (!world) file.fail(name + ": its joint " + to_string(i) + " is its own descendant", "nodes must form trees");
         matrices.push_back(*world);
         if (!inverses.empty()) matrices.back() *= matrix_at(inverses, i);
-        if (!is_finite(matrices.back())) file.fail(name + ": the matrix of joint " + to_string(i) + " is not finite");
+        if (!is_finite_matrix(matrices.back()))
+            file.fail(name + ": the matrix of joint " + to_string(i) + " is not finite");
     }
     return matrices;
 }

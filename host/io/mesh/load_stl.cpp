@@ -16,7 +16,7 @@
 namespace claray {
 namespace {
 
-constexpr std::size_t header_bytes = 84, facet_bytes = 50;  // of the binary format; it is little endian
+constexpr std::size_t stl_header_bytes = 84, facet_bytes = 50;  // of the binary format; it is little endian
 
 struct PositionHash {
     std::size_t operator()(const glm::vec3& p) const {
@@ -59,7 +59,7 @@ T read_little(const char* bytes) {
 }
 
 std::uint64_t facets_of(std::string_view bytes) {
-    return bytes.size() < header_bytes ? 0 : read_little<std::uint32_t>(bytes.data() + 80);
+    return bytes.size() < stl_header_bytes ? 0 : read_little<std::uint32_t>(bytes.data() + 80);
 }
 
 /// Behind a byte order mark and blanks, in any case.
@@ -74,22 +74,23 @@ bool begins_with_solid(std::string_view bytes) {
 
 /// Many binary files begin with "solid", too: the size tells.
 bool is_binary(std::string_view bytes) {
-    if (bytes.size() < header_bytes) return false;
-    const std::uint64_t needed = header_bytes + facet_bytes * facets_of(bytes);
+    if (bytes.size() < stl_header_bytes) return false;
+    const std::uint64_t needed = stl_header_bytes + facet_bytes * facets_of(bytes);
     return needed == bytes.size() || !begins_with_solid(bytes) ||
            bytes.substr(0, 512).find('\0') != std::string_view::npos;
 }
 
 Mesh read_binary(std::string_view bytes, const std::filesystem::path& path, const std::string& name) {
     const std::uint64_t count = facets_of(bytes);
-    if (count > (bytes.size() - header_bytes) / facet_bytes)
+    if (count > (bytes.size() - stl_header_bytes) / facet_bytes)
         throw Error(ErrorKind::user,
                     "'" + path.string() + "' is cut off: it has " + std::to_string(bytes.size()) + " bytes, and " +
-                        std::to_string(count) + " triangles take " + std::to_string(header_bytes + facet_bytes * count),
+                        std::to_string(count) + " triangles take " +
+                        std::to_string(stl_header_bytes + facet_bytes * count),
                     "export the mesh again");
     StlMesh mesh(name);
     for (std::uint64_t i = 0; i < count; ++i) {
-        const char* corner = bytes.data() + header_bytes + facet_bytes * i + 12;  // behind the normal
+        const char* corner = bytes.data() + stl_header_bytes + facet_bytes * i + 12;  // behind the normal
         glm::vec3 corners[3];
         for (int c = 0; c < 3; ++c)
             for (int k = 0; k < 3; ++k) corners[c][k] = read_little<float>(corner + 12 * c + 4 * k);

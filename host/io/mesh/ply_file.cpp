@@ -18,7 +18,7 @@ using std::to_string;
 constexpr bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 
 /// Takes the next word away from `rest`; empty if there is none.
-std::string_view take_word(std::string_view& rest) {
+std::string_view take_ply_word(std::string_view& rest) {
     std::size_t begin = 0;
     while (begin < rest.size() && is_blank(rest[begin])) ++begin;
     std::size_t end = begin;
@@ -108,14 +108,14 @@ std::string_view PlyReader::next_line() {
 void PlyReader::read_header() {
     if (bytes_.starts_with("\xef\xbb\xbf")) at_ = 3;
     std::string_view first = next_line();
-    if (take_word(first) != "ply") refuse("the file does not begin with 'ply'", "convert it to PLY, OBJ or glTF");
+    if (take_ply_word(first) != "ply") refuse("the file does not begin with 'ply'", "convert it to PLY, OBJ or glTF");
     bool has_format = false;
     for (;;) {
         std::string_view line = next_line(), rest = line;
-        const std::string_view word = take_word(rest);
+        const std::string_view word = take_ply_word(rest);
         if (word == "end_header") break;
         if (word == "format") {
-            const std::string_view name = take_word(rest);
+            const std::string_view name = take_ply_word(rest);
             if (name != "ascii" && name != "binary_little_endian" && name != "binary_big_endian")
                 refuse("unknown format '" + std::string(name) + "'", "use ascii or binary_little_endian");
             format_ = name == "ascii" ? Format::text : name == "binary_big_endian" ? Format::big : Format::little;
@@ -151,7 +151,7 @@ void PlyReader::end_line() {
 }
 
 void PlyReader::read_header_line(std::string_view line) {
-    const std::string_view word = take_word(line);
+    const std::string_view word = take_ply_word(line);
     if (word == "comment") return read_comment(line);
     if (word == "obj_info" || word.empty()) return;
     if (word == "element") return add_element(line);
@@ -161,15 +161,15 @@ void PlyReader::read_header_line(std::string_view line) {
 }
 
 void PlyReader::read_comment(std::string_view rest) {
-    if (!is_same_in_any_case(take_word(rest), "TextureFile")) return;
+    if (!is_same_in_any_case(take_ply_word(rest), "TextureFile")) return;
     const std::size_t begin = rest.find_first_not_of(" \t"), end = rest.find_last_not_of(" \t");
     if (begin != std::string_view::npos) images_.emplace_back(rest.substr(begin, end + 1 - begin));
 }
 
 void PlyReader::add_element(std::string_view rest) {
     PlyElement element;
-    element.name = take_word(rest);
-    const std::string_view count = take_word(rest);
+    element.name = take_ply_word(rest);
+    const std::string_view count = take_ply_word(rest);
     const auto [end, error] = std::from_chars(count.data(), count.data() + count.size(), element.count);
     if (error != std::errc() || end != count.data() + count.size())
         refuse("'" + std::string(count) + "' is not a number of elements", "write: element vertex 8");
@@ -187,14 +187,14 @@ void PlyReader::add_property(std::string_view rest) {
     };
     if (elements_.empty()) refuse("a property precedes the first element", "export the mesh again");
     PlyProperty property;
-    std::string_view word = take_word(rest);
+    std::string_view word = take_ply_word(rest);
     property.list = word == "list";
     if (property.list) {
-        property.count_type = type_called(take_word(rest));
-        word = take_word(rest);
+        property.count_type = type_called(take_ply_word(rest));
+        word = take_ply_word(rest);
     }
     property.type = type_called(word);
-    property.name = take_word(rest);
+    property.name = take_ply_word(rest);
     if (property.name.empty()) refuse("a property has no name", "write: property float x");
     constexpr std::size_t most = 256;
     if (elements_.back().properties.size() >= most) refuse("more than 256 properties", "export the mesh again");

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "claray/error.hpp"
+
 #pragma GCC visibility push(default)
 namespace claray {
 

@@ -3,6 +3,8 @@
 
 #include <optional>
 
+#include "claray/error.hpp"
+
 #pragma GCC visibility push(default)
 namespace claray {
 

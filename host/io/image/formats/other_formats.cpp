@@ -9,14 +9,14 @@ using namespace std::string_view_literals;
 
 enum class Remedy { png, exr, ktx, svg, archive, download, lfs };
 
-struct Signature {
+struct ImageSignature {
     std::string_view bytes;
     std::size_t at;
     const char* name;
     Remedy remedy;
 };
 
-constexpr Signature signatures[] = {
+constexpr ImageSignature image_signatures[] = {
     {"GIF8"sv, 0, "a GIF image", Remedy::png},
     {"II*\0"sv, 0, "a TIFF image", Remedy::exr},
     {"MM\0*"sv, 0, "a TIFF image", Remedy::exr},
@@ -114,7 +114,7 @@ bool names(std::string_view bytes, std::string_view tag) {
 }  // namespace
 
 OtherFormat other_format_of(std::string_view bytes) {
-    for (const Signature& s : signatures)
+    for (const ImageSignature& s : image_signatures)
         if (bytes.size() >= s.at + s.bytes.size() && bytes.substr(s.at, s.bytes.size()) == s.bytes)
             return {s.name, text_of(s.remedy)};
     if (is_netpbm(bytes)) return {"a Netpbm image (PBM, PGM, PPM or PAM)", text_of(Remedy::png)};

@@ -23,7 +23,7 @@ glm::dmat3 adapted(const glm::dvec3& from, const glm::dvec3& to) {
     return glm::inverse(cones) * glm::dmat3(gain.x, 0, 0, 0, gain.y, 0, 0, 0, gain.z) * cones;
 }
 
-bool is_finite(const glm::dmat3& m) {
+bool is_finite_matrix(const glm::dmat3& m) {
     return std::isfinite(m[0].x + m[0].y + m[0].z + m[1].x + m[1].y + m[1].z + m[2].x + m[2].y + m[2].z);
 }
 
@@ -37,7 +37,7 @@ glm::dmat3 to_rec709(const Primaries& p) {
         return glm::dmat3(1.0);
     const glm::dmat3 adaptation = adapted(xyz_of(p.white), xyz_of(rec709.white));
     const glm::dmat3 matrix = glm::inverse(xyz_from_rgb(rec709)) * adaptation * xyz_from_rgb(p);
-    return is_finite(matrix) ? matrix : glm::dmat3(1.0);
+    return is_finite_matrix(matrix) ? matrix : glm::dmat3(1.0);
 }
 
 glm::dmat3 to_rec709_from_xyz() {
