@@ -160,7 +160,7 @@ nlohmann::ordered_json as_json(const measure::SceneResult& scene) {
     return {{"scene", scene.scene}, {"triangles", scene.triangles}, {"presets", presets}, {"quickest", quickest}};
 }
 
-std::vector<Device> open_devices(const std::vector<std::string>& selectors) {
+std::vector<Device> open_different(const std::vector<std::string>& selectors) {
     std::vector<Device> devices;
     const auto add = [&](Device device) {
         for (const Device& other : devices)
@@ -180,7 +180,7 @@ std::vector<Device> open_devices(const std::vector<std::string>& selectors) {
 
 class BenchRun {
 public:
-    explicit BenchRun(const BenchOptions& options) : options_(options), devices_(open_devices(options.devices)) {}
+    explicit BenchRun(const BenchOptions& options) : options_(options), devices_(open_different(options.devices)) {}
 
     void run() {
         for (const Device& device : devices_) run_on(device);

@@ -31,7 +31,7 @@ std::string options_of(int argc, char** argv) {
 }
 
 /// Equal versions have equal kernels.
-std::string version() {
+std::string program_version() {
     std::string kernels;
     for (const KernelSource& source : kernel_sources()) kernels += source.path + source.text;
     return CLARAY_VERSION " (kernels " + hash128(kernels).substr(0, 8) + ")";
@@ -42,7 +42,7 @@ std::string host_name() {
     return ::gethostname(name, sizeof name - 1) == 0 ? name : "";
 }
 
-ranks::Hello own_hello() { return {version(), the_options, host_name(), {}}; }
+ranks::Hello own_hello() { return {program_version(), the_options, host_name(), {}}; }
 
 }  // namespace
 

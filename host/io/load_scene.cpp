@@ -53,7 +53,7 @@ std::vector<std::string> names_like(const std::string& name) {
     std::string known;
     for (const char* builtin : builtin_scene_names()) known += std::string(known.empty() ? "" : ", ") + builtin;
     throw Error(ErrorKind::usage, "unknown scene '" + name + "'" + did_you_mean(name, names_like(name)),
-                "give a file (" + scene_extensions() + ") or one of " + known);
+                "give the path of a scene file or one of " + known);
 }
 
 bool has_light(const Scene& scene) {

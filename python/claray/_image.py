@@ -38,7 +38,8 @@ class Cryptomatte:
         if unknown := [name for name in names if name not in self.manifest]:
             raise UsageError(f"names: there is no {unknown[0]!r}; there are {', '.join(self.manifest)}")
         ids = np.array([_native.matte_id(self.manifest[name]) for name in names], np.float32)
-        return np.where(np.isin(self.ids, ids), self.coverage, np.float32(0)).sum(axis=-1, dtype=np.float32)
+        shares: NDArray[np.float32] = np.where(np.isin(self.ids, ids), self.coverage, np.float32(0)).sum(axis=-1, dtype=np.float32)
+        return shares
 
 
 class Image(np.ndarray):

@@ -232,7 +232,7 @@ def _groups_of(value: Any) -> list[str]:
     """The texts of RenderConfig::light_groups."""
     if not isinstance(value, Mapping):
         raise UsageError(f"light_groups: is {value!r}; use a dict of names and lists of lights")
-    groups = cast("Mapping[Any, Any]", value)
+    groups = cast("Mapping[str, Any]", value)
     return [f"{name}={names_of(f'light_groups[{name!r}]', lights)}" for name, lights in groups.items()]
 
 

@@ -1,5 +1,6 @@
 """Shapes of USD as arrays."""
 
+# pyright: basic
 from __future__ import annotations
 
 from typing import Any

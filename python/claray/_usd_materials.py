@@ -1,5 +1,6 @@
 """Materials of USD (UsdPreviewSurface) as those of glTF."""
 
+# pyright: basic
 from __future__ import annotations
 
 import os

@@ -1,5 +1,6 @@
 """Images around scenes of USD."""
 
+# pyright: basic
 from __future__ import annotations
 
 import os

@@ -6,6 +6,7 @@ docs/formats.md says what is read. `python -m claray.usd FILE OUT.glb` writes a 
 `claray` reads USD so.
 """
 
+# pyright: basic
 from __future__ import annotations
 
 import json

@@ -330,7 +330,8 @@ TEST_F(Obj, SceneNamesAreBuiltInOrFiles) {
     EXPECT_EQ(triangle_count(load_scene(folder.file("A.OBJ", unit_square + "f 1 2 3\n").string(), warnings)), 1u);
     expect_error(ErrorKind::usage, {"unknown scene 'teapot'", "cornell", "soup:N"},
                  [&] { static_cast<void>(load_scene("teapot", warnings)); });
-    expect_error(ErrorKind::usage, {"mesh.fbx", ".obj"}, [&] { static_cast<void>(load_scene("mesh.fbx", warnings)); });
+    expect_error(ErrorKind::user, {"mesh.fbx", "No such file"},
+                 [&] { static_cast<void>(load_scene("mesh.fbx", warnings)); });
     expect_error(ErrorKind::user, {"absent.obj"}, [&] { static_cast<void>(load_scene("absent.obj", warnings)); });
 }
 
