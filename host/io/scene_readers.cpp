@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <fstream>
+#include <span>
 
 #include "host/io/words.hpp"
 
@@ -23,11 +24,8 @@ bool is_stl(const SceneBeginning& file) {
     return file.size == 84 + 50 * triangles;
 }
 
-/// A statement of an OBJ, before anything that is none.
-bool is_obj(const SceneBeginning& file) {
-    constexpr std::array<std::string_view, 10> statements = {"v", "vt", "vn",     "f",      "g",
-                                                             "o", "s",  "usemtl", "mtllib", "l"};
-    std::string_view text = file.text;
+/// Whether the first word, behind empty lines and comments, is one of the statements.
+bool begins_with_one_of(std::span<const std::string_view> statements, std::string_view text) {
     for (std::size_t end = 0; !text.empty(); text.remove_prefix(std::min(end + 1, text.size()))) {
         end = std::min(text.find_first_of("\r\n"), text.size());
         std::string_view line = text.substr(0, end);
@@ -35,6 +33,13 @@ bool is_obj(const SceneBeginning& file) {
         if (!word.empty()) return std::find(statements.begin(), statements.end(), word) != statements.end();
     }
     return false;
+}
+
+/// A statement of an OBJ, before anything that is none.
+bool is_obj(const SceneBeginning& file) {
+    constexpr std::array<std::string_view, 10> statements = {"v", "vt", "vn",     "f",      "g",
+                                                             "o", "s",  "usemtl", "mtllib", "l"};
+    return begins_with_one_of(statements, file.text);
 }
 
 bool is_mitsuba(const SceneBeginning& file) {
@@ -46,14 +51,7 @@ bool is_pbrt(const SceneBeginning& file) {
     constexpr std::array<std::string_view, 12> statements = {"Film",    "Camera",      "LookAt",     "Integrator",
                                                              "Sampler", "PixelFilter", "Transform",  "Scale",
                                                              "Option",  "ColorSpace",  "WorldBegin", "AttributeBegin"};
-    std::string_view text = file.text;
-    for (std::size_t end = 0; !text.empty(); text.remove_prefix(std::min(end + 1, text.size()))) {
-        end = std::min(text.find_first_of("\r\n"), text.size());
-        std::string_view line = text.substr(0, end);
-        const std::string_view word = next_word(line);
-        if (!word.empty()) return std::find(statements.begin(), statements.end(), word) != statements.end();
-    }
-    return false;
+    return begins_with_one_of(statements, file.text);
 }
 
 bool is_fbx(const SceneBeginning& file) {
