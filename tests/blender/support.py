@@ -102,6 +102,17 @@ def set_world(scene, color=(0, 0, 0), strength=1.0):
     return tree, background
 
 
+def set_world_image(scene):
+    """A world of an image with one bright quarter; returns its tree and the node of the image."""
+    texels = np.full((16, 32, 4), 0.1, np.float32)
+    texels[2:9, 20:28, :3] = 1, 0.6, 0.2
+    tree, background = set_world(scene)
+    node = tree.nodes.new("ShaderNodeTexEnvironment")
+    node.image = add_image(texels, encoded=False)
+    tree.links.new(node.outputs["Color"], background.inputs["Color"])
+    return tree, node
+
+
 def tree_of(owner):
     if not owner.use_nodes:
         owner.use_nodes = True

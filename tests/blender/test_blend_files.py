@@ -64,12 +64,7 @@ def test_suns_points_and_an_image_of_the_world(tmp_path):
     support.add_plane(scene, support.diffuse((0.8, 0.6, 0.4)), 6)
     support.add_light(scene, "SUN", (0, 0, 5), (1, 0, 0), energy=2, angle=0.2)
     support.add_light(scene, "POINT", (1, 0, 3), energy=50, shadow_soft_size=0)
-    texels = np.full((16, 32, 4), 0.1, np.float32)
-    texels[2:9, 20:28, :3] = 1, 0.6, 0.2
-    tree, background = support.set_world(scene)
-    node = tree.nodes.new("ShaderNodeTexEnvironment")
-    node.image = support.add_image(texels, encoded=False)
-    tree.links.new(node.outputs["Color"], background.inputs["Color"])
+    support.set_world_image(scene)
     made = same_mean(scene, tmp_path, samples=128)
     assert sorted(light.kind for light in made.lights) == ["point", "sun"]
     assert made.environment.rotation == pytest.approx(-math.pi / 2)

@@ -79,12 +79,7 @@ def test_image_of_the_world(turn):
     import bpy
     bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=4, radius=1)
     bpy.context.object.data.materials.append(support.diffuse((0.8, 0.8, 0.8)))
-    texels = np.full((16, 32, 4), 0.1, np.float32)
-    texels[2:9, 20:28, :3] = 1, 0.6, 0.2
-    tree, background = support.set_world(scene)
-    node = tree.nodes.new("ShaderNodeTexEnvironment")
-    node.image = support.add_image(texels, encoded=False)
-    tree.links.new(node.outputs["Color"], background.inputs["Color"])
+    tree, node = support.set_world_image(scene)
     if turn:
         mapping, coordinates = tree.nodes.new("ShaderNodeMapping"), tree.nodes.new("ShaderNodeTexCoord")
         mapping.inputs["Rotation"].default_value = (0, 0, turn)
