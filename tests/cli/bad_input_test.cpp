@@ -45,7 +45,7 @@ TEST_F(BadInput, FolderAsScene) {
 }
 TEST_F(BadInput, UnknownScene) {
     EXPECT_TRUE(
-        failed_with(render("no-such-scene"), 2, "unknown scene 'no-such-scene'; give a file (.gltf, .glb, .ply"));
+        failed_with(render("no-such-scene"), 2, "unknown scene 'no-such-scene'; give the path of a scene file"));
 }
 TEST_F(BadInput, BadTriangleCount) { EXPECT_TRUE(failed_with(render("soup:many"), 2, "soup:N")); }
 

@@ -41,7 +41,7 @@ public:
         for (std::string& argument : arguments) pointers.push_back(argument.data());
         pointers.push_back(nullptr);
         pid_t id = 0;
-        return ::posix_spawn(&id, pointers[0], &actions_, nullptr, pointers.data(), environ) == 0 ? id : 0;
+        return ::posix_spawnp(&id, pointers[0], &actions_, nullptr, pointers.data(), environ) == 0 ? id : 0;
     }
 
 private:
