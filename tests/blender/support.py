@@ -195,9 +195,9 @@ def interior(scene):
     camera.data.lens = 22
 
 
-def instances(scene, count=1000):
+def instances(scene, count=1000, subdivisions=3):
     """Copies of one rounded mesh in a grid, on a floor, under a sun."""
-    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=3, radius=0.4)
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=subdivisions, radius=0.4)
     first = bpy.context.object
     first.data.materials.append(diffuse((0.6, 0.35, 0.2), "clay"))
     side = math.ceil(count ** (1 / 3))

@@ -5,6 +5,7 @@ import sys
 import types
 
 import bpy
+import claray
 import mathutils
 import numpy as np
 import pytest
@@ -117,15 +118,43 @@ def test_passes():
         np.testing.assert_allclose(kept["Albedo"][y, x], (0.7, 0.3, 0.2), atol=1e-3)
 
 
-def meshes_and_instances(scene):
-    made = sys.modules["claray_addon"].ui.scene_of(bpy.context.evaluated_depsgraph_get())[0]
+def read(most_copied=0):
+    return sys.modules["claray_addon"].ui.scene_of(bpy.context.evaluated_depsgraph_get(), most_copied)[0]
+
+
+def camera_of(scene):
+    width, height = scene.render.resolution_x, scene.render.resolution_y
+    evaluated = scene.camera.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    return sys.modules["claray_addon"].engine.camera_of(evaluated, width, height, 1.0, 1.0, pytest.fail)
+
+
+def meshes_and_instances(most_copied=0):
+    made = read(most_copied)
     return len(made.meshes), len(made.instances["meshes"])
 
 
 def test_a_mesh_for_each_data_block():
     scene = support.empty_scene()
     support.instances(scene, 1000)
-    assert meshes_and_instances(scene) == (2, 1001)
+    assert meshes_and_instances() == (2, 1001)
+
+
+@pytest.mark.parametrize("triangles, subdivisions", [(320, 3), (20, 1)])
+def test_small_meshes_are_copied(triangles, subdivisions):
+    """Up to a number of triangles, where a mesh counts as 64 at least; the picture is that of instances."""
+    scene = support.empty_scene(64, 48)
+    support.instances(scene, 100, subdivisions)
+    bpy.data.objects["ball42"].scale.x *= -1
+    most = 99 * max(triangles, 64)
+    assert meshes_and_instances(most - 1) == (2, 101)
+    assert meshes_and_instances(most) == (101, 101)
+    made = [read(most_copied) for most_copied in (0, most)]
+    camera = camera_of(scene)
+    images = []
+    for one in made:
+        one.camera = camera
+        images.append(np.asarray(claray.render(one, width=64, height=48, spp=16)))
+    assert np.abs(images[0] - images[1]).mean() < 0.005 * images[0].mean()  # borders and shadows, by the rounding of vertices
 
 
 def test_instances_of_collections_and_particles():
@@ -137,7 +166,7 @@ def test_instances_of_collections_and_particles():
     for x in range(5):
         empty = support.link(scene, f"empty{x}", None)
         empty.instance_type, empty.instance_collection, empty.location = "COLLECTION", collection, (x * 0.4 - 1, 0, 0)
-    assert meshes_and_instances(scene) == (1, 5)
+    assert meshes_and_instances() == (1, 5)
     support.set_world(scene, (1, 1, 1))
     same_places(scene)
 

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A claray.Scene of what Blender's dependency graph shows."""
 
+from collections import Counter
+
 import bpy
 import claray
 import numpy as np
@@ -11,6 +13,8 @@ from .materials import Materials
 from .report import Report
 
 MESHES = ("MESH", "CURVE", "SURFACE", "META", "FONT")
+MOST_COPIED = 2**19  # triangles
+LEAST_OF_A_COPY = 64  # triangles that the fixed time of a mesh is worth
 LEFT_OUT = {"VOLUME": "volumes", "CURVES": "hair curves", "POINTCLOUD": "point clouds", "GREASEPENCIL": "Grease Pencil"}
 
 
@@ -19,7 +23,7 @@ class _Meshes:
 
     def __init__(self, scene, materials, report):
         self._scene, self._materials, self._report = scene, materials, report
-        self._numbers = {}
+        self._numbers, self._arrays = {}, {}
 
     def number(self, thing):
         """The number of the mesh of an evaluated object; None: it has no faces."""
@@ -58,7 +62,27 @@ class _Meshes:
             self._report.note(f"object '{thing.name}'", "has textures, but not their UV map; they show one texel")
             made["uvs"] = np.zeros((len(made["vertices"]), 2), np.float32)
         slots = np.clip(made.pop("slots"), 0, len(numbers) - 1)
-        return self._scene.add_mesh(**made, material=numbers[0] if len(numbers) == 1 else np.array(numbers)[slots], name=thing.name)
+        made.update(material=numbers[0] if len(numbers) == 1 else np.array(numbers)[slots], name=thing.name)
+        number = self._scene.add_mesh(**made)
+        if len(made["triangles"]) <= MOST_COPIED:
+            self._arrays[number] = made
+        return number
+
+    def separate(self, numbers, most):
+        """The numbers of the meshes of all instances, of which those of small meshes get meshes of their own: claray puts meshes with one
+        instance into one tree, through which rays are faster than through instances. most: triangles of all copies together."""
+        uses, copied = Counter(numbers), set()
+        cost = {number: (uses[number] - 1) * max(len(made["triangles"]), LEAST_OF_A_COPY) for number, made in self._arrays.items()}
+        for number in sorted(cost, key=cost.get):
+            most -= cost[number]
+            if most < 0:
+                break
+            copied.add(number)
+        first, own = set(), []
+        for number in numbers:
+            own.append(self._scene.add_mesh(**self._arrays[number]) if number in copied and number in first else number)
+            first.add(number)
+        return own
 
 
 def _note_settings(scene, report):
@@ -85,8 +109,9 @@ def _note_object(thing, report):
             report.note(f"object '{thing.name}'", "the hair of particles is left out")
 
 
-def scene_of(depsgraph):
-    """The scene without a camera, and the Report of what is left out."""
+def scene_of(depsgraph, most_copied=MOST_COPIED):
+    """The scene without a camera, the Report of what is left out, and the lamps that rays of the camera may meet. most_copied: as `most` of
+    _Meshes.separate."""
     scene, report = claray.Scene(), Report()
     materials, lamps = Materials(scene, report), Lamps(scene, report)
     meshes = _Meshes(scene, materials, report)
@@ -120,7 +145,7 @@ def scene_of(depsgraph):
         matrices.append(AXES @ matrix)
         names.append(name)
     if numbers:
-        scene.set_instances(numbers, np.array(matrices), names=names)
+        scene.set_instances(meshes.separate(numbers, most_copied), np.array(matrices), names=names)
     add_world(scene, depsgraph.scene.world, report)
     return scene, report, lamps.seen
 

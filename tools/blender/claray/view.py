@@ -19,7 +19,7 @@ class View:
 
     def update(self, depsgraph):
         """Reads the scene again."""
-        self._scene, report, _ = scene_of(depsgraph)
+        self._scene, report, _ = scene_of(depsgraph, 0)  # without copies, whose tree takes longer to build than a step
         reports.keep(depsgraph.scene, report.lines)
         self._renderer = None
 
