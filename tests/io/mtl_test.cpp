@@ -17,13 +17,13 @@ namespace {
 using test::expect_error;
 using test::from_base64;
 
-const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+const std::string one_face = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 
 class Mtl : public test::ReaderTest {
 protected:
     Scene load(const std::string& mtl, const std::string& faces) {
         static_cast<void>(folder.file("m.mtl", mtl));
-        Scene scene = load_obj(folder.file("mesh.obj", "mtllib m.mtl\n" + triangle + faces), warnings);
+        Scene scene = load_obj(folder.file("mesh.obj", "mtllib m.mtl\n" + one_face + faces), warnings);
         validate(scene);
         return scene;
     }
@@ -145,7 +145,7 @@ TEST_F(Mtl, EveryFaceKeepsItsMaterial) {
 
 TEST_F(Mtl, MissingFileIsAWarningAndGrey) {
     const Scene scene =
-        load_obj(folder.file("mesh.obj", "mtllib gone.mtl\n" + triangle + "usemtl a\nf 1 2 3\n"), warnings);
+        load_obj(folder.file("mesh.obj", "mtllib gone.mtl\n" + one_face + "usemtl a\nf 1 2 3\n"), warnings);
     EXPECT_EQ(warned("gone.mtl' is missing"), 1u);
     EXPECT_EQ(warned("not defined"), 0u) << "one warning is enough";
     EXPECT_EQ(scene.materials.at(0).kind, MaterialKind::lambert);
@@ -159,7 +159,7 @@ TEST_F(Mtl, SeveralFilesAndNamesWithBlanks) {
     static_cast<void>(folder.file("b.mtl", "newmtl b\nKd 0 1 0\n"));
     static_cast<void>(folder.file("of mine.mtl", "newmtl c\nKd 0 0 1\n"));
     const Scene scene =
-        load_obj(folder.file("mesh.obj", "mtllib a.mtl b.mtl gone.mtl\nmtllib of mine.mtl\n" + triangle +
+        load_obj(folder.file("mesh.obj", "mtllib a.mtl b.mtl gone.mtl\nmtllib of mine.mtl\n" + one_face +
                                              "usemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\nusemtl c\nf 1 2 3\n"),
                  warnings);
     ASSERT_EQ(scene.materials.size(), 3u);
@@ -369,7 +369,7 @@ TEST_F(MtlMap, NamesAreRelativeToTheMtl) {
     static_cast<void>(folder.file("sub/x.mtl", "newmtl a\nmap_Kd in.png\nnewmtl b\nmap_Kd ../rgba.png\n"));
     static_cast<void>(folder.file("sub/in.png", from_base64(test::png_palette)));
     const Scene s = load_obj(
-        folder.file("mesh.obj", "mtllib sub/x.mtl\n" + triangle + "usemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\n"), warnings);
+        folder.file("mesh.obj", "mtllib sub/x.mtl\n" + one_face + "usemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\n"), warnings);
     EXPECT_EQ(s.textures.size(), 2u);
 }
 

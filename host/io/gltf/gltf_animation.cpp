@@ -9,6 +9,7 @@
 
 #include "claray/error.hpp"
 #include "host/base/format.hpp"
+#include "host/base/message.hpp"
 #include "host/io/gltf/gltf_accessor.hpp"
 #include "host/io/gltf/gltf_choice.hpp"
 #include "host/io/gltf/gltf_nodes.hpp"
@@ -142,8 +143,13 @@ public:
         return left_out;
     }
 
+    /// What KHR_animation_pointer moves besides nodes.
+    void add_changes(std::size_t index, double time, std::vector<GltfChange>& changes);
+
 private:
     bool apply(std::size_t channel, double time);
+    [[nodiscard]] std::vector<double> value(int sampler, const Property& property, double time,
+                                            const std::string& channel);
     [[nodiscard]] Property property_of(const tinygltf::Node& node, const std::string& path) const;
     [[nodiscard]] const Keys& keys_of(int sampler, const Property& property, const std::string& channel);
     [[nodiscard]] Keys read(int sampler, const Property& property, const std::string& channel) const;
@@ -212,12 +218,31 @@ bool Animator::apply(std::size_t index, double time) {
     tinygltf::Node& node = nodes[std::size_t(channel.target_node)];
     const Property property = property_of(node, channel.target_path);
     if (property.width == 0) return false;
-    const std::vector<double> value = value_at(keys_of(channel.sampler, property, name), time);
-    for (const double number : value)
-        if (!std::isfinite(number)) file_.fail(name + ": its value at " + in_seconds(time) + " is not finite");
+    std::vector<double> moved = value(channel.sampler, property, time, name);
     if (property.components > 1) split_matrix(node);
-    node.*property.values = value;
+    node.*property.values = std::move(moved);
     return true;
+}
+
+void Animator::add_changes(std::size_t index, double time, std::vector<GltfChange>& changes) {
+    for (const GltfPointer& pointer : file_.pointers) {
+        if (pointer.animation != index) continue;
+        const std::string name = name_ + ", channel of '" + one_line(pointer.place) + "'";
+        const std::vector<tinygltf::AnimationSampler>& samplers = animation_.samplers;
+        const auto sampler = std::size_t(pointer.sampler);
+        const int accessor = sampler < samplers.size() ? samplers[sampler].output : -1;
+        const bool is_known = accessor >= 0 && std::size_t(accessor) < file_.model.accessors.size();
+        const int type = is_known ? file_.model.accessors[std::size_t(accessor)].type : TINYGLTF_TYPE_SCALAR;
+        const auto width = std::size_t(std::max(1, tinygltf::GetNumComponentsInType(std::uint32_t(type))));
+        changes.push_back({pointer.place, value(pointer.sampler, {false, width, width}, time, name)});
+    }
+}
+
+std::vector<double> Animator::value(int sampler, const Property& property, double time, const std::string& channel) {
+    std::vector<double> value = value_at(keys_of(sampler, property, channel), time);
+    for (const double number : value)
+        if (!std::isfinite(number)) file_.fail(channel + ": its value at " + in_seconds(time) + " is not finite");
+    return value;
 }
 
 /// The indices of those that the options choose.
@@ -259,8 +284,11 @@ void pose(GltfFile& file, const LoadOptions& options, Warnings& warnings) {
     }
     if (!std::isfinite(*options.time))
         throw Error(ErrorKind::usage, "the time is not finite", "give a time in seconds");
-    std::size_t left_out = file.channels_without_node;
-    for (const std::size_t i : chosen_animations(file, options)) left_out += Animator(file, i).apply(*options.time);
+    const std::vector<std::size_t> chosen = chosen_animations(file, options);
+    std::vector<GltfChange> changes;
+    for (const std::size_t i : chosen) Animator(file, i).add_changes(i, *options.time, changes);
+    std::size_t left_out = file.channels_left_out + file.change(changes);
+    for (const std::size_t i : chosen) left_out += Animator(file, i).apply(*options.time);
     if (left_out > 0)
         warnings.push_back(to_string(left_out) + " channels animate unsupported properties: they are left out");
 }

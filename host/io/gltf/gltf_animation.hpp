@@ -1,4 +1,4 @@
-// Animations of a glTF: its nodes as they are at a time.
+// Animations of a glTF: its nodes, and what KHR_animation_pointer names, as they are at a time.
 #pragma once
 
 #include "host/io/gltf/gltf_file.hpp"
@@ -6,7 +6,8 @@
 namespace claray {
 
 /// Gives the nodes the translations, rotations, scales and weights that they have at `options.time` of the animation
-/// that is chosen. Without a time nothing changes, and a warning tells of the animations that there are.
+/// that is chosen, and what pointers name its numbers. Without a time nothing changes, and a warning tells of the
+/// animations that there are.
 void pose(GltfFile& file, const LoadOptions& options, Warnings& warnings);
 
 /// As animation_seconds.

@@ -24,7 +24,7 @@ using std::to_string;
 constexpr std::string_view known_extensions[] = {
     "CLARAY_attenuation",
     "EXT_mesh_gpu_instancing",
-    "KHR_materials_variants",
+    "KHR_animation_pointer",
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
@@ -36,14 +36,30 @@ constexpr std::string_view known_extensions[] = {
     "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
+    "KHR_materials_variants",
     "KHR_materials_volume",
     "KHR_mesh_quantization",  // integer attributes are read wherever they stand
+    "KHR_node_visibility",
     "KHR_texture_transform",
     // Other containers of images: where a texture has no plain one, its material says so.
     "EXT_texture_avif",
     "EXT_texture_webp",
     "KHR_texture_basisu",
     "MSFT_texture_dds",
+    // What changes no picture: texts, other forms of the same geometry, and coarser nodes and textures beside the
+    // finest.
+    "EXT_mesh_manifold",
+    "EXT_mesh_primitive_restart",
+    "FB_geometry_metadata",
+    "GODOT_single_root",
+    "GRIFFEL_bim_data",
+    "KHR_node_hoverability",
+    "KHR_node_selectability",
+    "KHR_xmp",
+    "KHR_xmp_json_ld",
+    "MSFT_lod",
+    "MSFT_packing_normalRoughnessMetallic",
+    "MSFT_packing_occlusionRoughnessMetallic",
 };
 
 bool is_known(const std::string& extension) {
@@ -72,7 +88,8 @@ void warn_of_remarks(const std::string& remarks, const GltfFile& file, Warnings&
 }
 
 /// Reads what is neither a buffer nor an image: for files of their own, none is said to exist.
-void parse(const AdaptedJson& adapted, GltfFile& file, Warnings& warnings) {
+tinygltf::Model parsed_model(const GltfFile& file, Warnings& warnings) {
+    tinygltf::Model model;
     tinygltf::TinyGLTF parser;
     tinygltf::FsCallbacks callbacks{};
     callbacks.FileExists = [](const std::string&, void*) { return false; };
@@ -84,8 +101,7 @@ void parse(const AdaptedJson& adapted, GltfFile& file, Warnings& warnings) {
     std::string errors, remarks;  // remarks are about images only
     bool ok = false;
     try {
-        ok = parser.LoadASCIIFromString(&file.model, &errors, &remarks, adapted.text.data(),
-                                        unsigned(adapted.text.size()), "");
+        ok = parser.LoadASCIIFromString(&model, &errors, &remarks, file.json.data(), unsigned(file.json.size()), "");
     } catch (const std::bad_alloc&) {
         throw;
     } catch (const std::exception& error) {
@@ -93,6 +109,7 @@ void parse(const AdaptedJson& adapted, GltfFile& file, Warnings& warnings) {
     }
     if (!ok) file.fail("not a valid glTF: " + (errors.empty() ? "a property is missing" : in_one_line(errors)));
     warn_of_remarks(errors, file, warnings);
+    return model;
 }
 
 std::string bytes_of(const GltfSource& source, const std::string& name, const GltfFile& file) {
@@ -164,6 +181,17 @@ void GltfFile::fail(const std::string& what, const std::string& remedy) const {
     throw Error(ErrorKind::user, "'" + path.string() + "': " + what, remedy);
 }
 
+std::size_t GltfFile::change(const std::vector<GltfChange>& changes) {
+    if (changes.empty()) return 0;
+    const std::size_t left_out = write_changes(json, changes);
+    Warnings known;  // from the first reading
+    tinygltf::Model changed = parsed_model(*this, known);
+    model.nodes = std::move(changed.nodes), model.materials = std::move(changed.materials);
+    model.cameras = std::move(changed.cameras), model.lights = std::move(changed.lights);
+    model.extensions = std::move(changed.extensions);
+    return left_out;
+}
+
 std::string_view GltfFile::view(int index, const std::string& what) const {
     if (index < 0 || std::size_t(index) >= model.bufferViews.size())
         fail(what + " refers to buffer view " + to_string(index) + " of " + to_string(model.bufferViews.size()));
@@ -189,16 +217,17 @@ GltfFile read_gltf(const fs::path& path, std::string_view bytes, Warnings& warni
     if (bytes.empty()) file.fail("the file is empty");
     refuse_other_encodings(bytes, path);
     const GltfContainer parts = open_container(bytes, file);
-    const AdaptedJson adapted = adapted_to_tinygltf(parts.json, file);
+    AdaptedJson adapted = adapted_to_tinygltf(parts.json, file);
     if (adapted.text.size() > std::numeric_limits<std::uint32_t>::max())
         file.fail("its JSON is larger than 4 GiB", "keep its buffers in files of their own");
-    parse(adapted, file, warnings);
+    file.json = std::move(adapted.text);
+    file.model = parsed_model(file, warnings);
     check_version(file);
     check_extensions(file, warnings);
     read_buffers(adapted.buffers, parts, file);
     name_images(adapted.images, file);
     give_back_indices(adapted.indices, file);
-    file.channels_without_node = adapted.channels_without_node;
+    file.pointers = std::move(adapted.pointers), file.channels_left_out = adapted.channels_left_out;
     decompress(file);
     return file;
 }

@@ -7,10 +7,29 @@
 
 namespace claray {
 
+/// A channel of an animation that moves what its JSON pointer names (KHR_animation_pointer), and no node.
+struct GltfPointer {
+    std::size_t animation = 0;
+    int sampler = -1;
+    std::string place;
+};
+
+/// New numbers of a place in the JSON.
+struct GltfChange {
+    std::string place;
+    std::vector<double> numbers;
+};
+
 struct GltfFile {
     std::filesystem::path path;
+    std::string json;  ///< as tinygltf took it
     tinygltf::Model model;
-    std::size_t channels_without_node = 0;  ///< of animations: extensions move other things
+    std::vector<GltfPointer> pointers;
+    std::size_t channels_left_out = 0;  ///< of animations: they move nothing that is known
+
+    /// Reads nodes, materials, cameras and lights again, with these numbers in the JSON. Returns how many changes have
+    /// a place that the file lacks or that cannot move.
+    std::size_t change(const std::vector<GltfChange>& changes);
 
     /// Throws ErrorKind::user: "'path': what; remedy".
     [[noreturn]] void fail(const std::string& what, const std::string& remedy = "export it again") const;

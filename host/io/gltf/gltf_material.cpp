@@ -104,10 +104,25 @@ std::uint32_t GltfMaterials::index_of(int material, const std::string& user) {
     index = std::uint32_t(scene_.materials.size());
     static const tinygltf::Material standard;
     const tinygltf::Material& source = material < 0 ? standard : file_.model.materials[std::size_t(material)];
+    used_sets_ = {no_set, no_set};
     Material made =
         make(source, material < 0 ? "the default material" : gltf_name("material", source.name, std::size_t(material)));
     scene_.materials.push_back(std::move(made));
+    for (int slot = 0; slot < 2; ++slot)
+        if (used_sets_[std::size_t(slot)] == no_set) used_sets_[std::size_t(slot)] = slot;
+    uv_sets_.resize(scene_.materials.size(), {0, 1});
+    uv_sets_.back() = used_sets_;
     return index;
+}
+
+/// Of two places for sets of coordinates, the one of a set: of sets 0 and 1 their own if it is free.
+std::optional<std::uint32_t> GltfMaterials::slot_of(int uv_set) {
+    const std::uint32_t wanted = uv_set == 1 ? 1 : 0;
+    for (const std::uint32_t slot : {wanted, 1 - wanted})
+        if (used_sets_[slot] == uv_set) return slot;
+    for (const std::uint32_t slot : {wanted, 1 - wanted})
+        if (used_sets_[slot] == no_set) return used_sets_[slot] = uv_set, slot;
+    return {};
 }
 
 // A texture whose factor is 0 changes nothing and is not loaded.
@@ -258,14 +273,16 @@ TextureUse GltfMaterials::use(int index, int uv_set, const tinygltf::ExtensionMa
     result.scale = numbers<2>(transform, "scale", glm::vec2(1.f));
     result.rotation = number(transform, "rotation", 0.f);
     const int set = index_in(transform, "texCoord", uv_set);
-    if (set != 0 && set != 1) {
-        warnings_.push_back(user + ": a texture with coordinates TEXCOORD_" + to_string(set) +
-                            " is left out, only 0 and 1 are supported");
-        return {};
-    }
+    if (set < 0) file_.fail(user + ": a texture has coordinates of no number");
     const std::optional<std::uint32_t> image = texture(index, format, user, change);
     if (!image) return {};
-    result.uv_set = std::uint32_t(set);
+    const std::optional<std::uint32_t> slot = slot_of(set);
+    if (!slot) {
+        warnings_.push_back(user + ": a texture with coordinates TEXCOORD_" + to_string(set) +
+                            " is left out, a material has at most two sets of coordinates");
+        return {};
+    }
+    result.uv_set = *slot;
     result.texture = *image;
     return result;
 }

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "host/io/gltf/gltf_file.hpp"
+#include "host/io/gltf/gltf_mesh.hpp"
 #include "host/io/scene_textures.hpp"
 
 namespace claray {
@@ -23,8 +23,12 @@ public:
     /// Index in the scene of a material of the file; -1 is the format's default. `user` names who wants it.
     [[nodiscard]] std::uint32_t index_of(int material, const std::string& user);
 
+    /// The sets of coordinates of the file that a material of the scene has as its first and its second.
+    [[nodiscard]] const GltfUvSets& uv_sets(std::uint32_t material) const { return uv_sets_.at(material); }
+
 private:
     static constexpr std::uint32_t unknown = 0xffffffffu;
+    static constexpr int no_set = -1;
 
     [[nodiscard]] Material make(const tinygltf::Material& source, const std::string& name);
     void add_extensions(Material& material, const tinygltf::Material& source, const std::string& name);
@@ -44,6 +48,7 @@ private:
                                  const std::string& user, const Change& change = {});
     [[nodiscard]] TextureUse use(const tinygltf::Value& extension, const char* key, const std::string& user,
                                  TexelFormat format = TexelFormat::linear8, const Change& change = {});
+    [[nodiscard]] std::optional<std::uint32_t> slot_of(int uv_set);
     [[nodiscard]] int source_of(const tinygltf::Texture& texture, const std::string& name) const;
     [[nodiscard]] std::optional<std::uint32_t> texture(int index, TexelFormat format, const std::string& user,
                                                        const Change& change);
@@ -56,6 +61,8 @@ private:
     SceneTextures textures_;
     bool images_;
     std::vector<std::uint32_t> known_;  ///< by index in the file; the last is the default's
+    GltfUvSets used_sets_{};            ///< of the material that is made
+    std::vector<GltfUvSets> uv_sets_;   ///< by index in the scene
 };
 
 }  // namespace claray

@@ -199,7 +199,7 @@ std::vector<std::uint32_t> indices_of(const GltfFile& file, const tinygltf::Prim
 bool is_strokes(const tinygltf::Primitive& primitive) { return primitive.mode < TINYGLTF_MODE_TRIANGLES; }
 
 std::optional<Mesh> read_primitive(const GltfFile& file, std::size_t mesh_index, std::size_t primitive_index,
-                                   std::uint32_t material, bool tangents, const GltfPose& pose, GltfLeftOut& left_out) {
+                                   const GltfLook& look, const GltfPose& pose, GltfLeftOut& left_out) {
     const tinygltf::Mesh& source = file.model.meshes[mesh_index];
     const tinygltf::Primitive& primitive = source.primitives[primitive_index];
     const std::string name = gltf_name("mesh", source.name, mesh_index) + ", primitive " + to_string(primitive_index);
@@ -216,12 +216,12 @@ std::optional<Mesh> read_primitive(const GltfFile& file, std::size_t mesh_index,
     check_whole(indices.size(), primitive.mode, name, file);
     mesh.triangles =
         is_strokes(primitive) ? strokes_of(indices, primitive.mode) : triangles_of(indices, primitive.mode);
-    mesh.materials.assign(mesh.triangles.size(), material);
+    mesh.materials.assign(mesh.triangles.size(), look.material);
     mesh.normals = attributes.read<3>("NORMAL");
-    mesh.uvs = attributes.read<2>("TEXCOORD_0");
-    mesh.uvs1 = attributes.read<2>("TEXCOORD_1");
+    mesh.uvs = attributes.read<2>("TEXCOORD_" + to_string(look.uv_sets[0]));
+    mesh.uvs1 = attributes.read<2>("TEXCOORD_" + to_string(look.uv_sets[1]));
     mesh.colors = read_colors(attributes, left_out);
-    if (tangents && !mesh.normals.empty()) mesh.tangents = attributes.read<4, 3>("TANGENT");
+    if (look.tangents && !mesh.normals.empty()) mesh.tangents = attributes.read<4, 3>("TANGENT");
     if (pose.joints) follow_joints(mesh, joint_sets_of(attributes, primitive, name, file), *pose.joints, file, name);
     mend_normals(mesh);
     mend_tangents(mesh);

@@ -1,6 +1,7 @@
 // glTF primitives to meshes.
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "host/io/gltf/gltf_skin.hpp"
@@ -18,11 +19,19 @@ struct GltfPose {
     std::optional<JointMatrices> joints;  ///< of its skin
 };
 
-/// One primitive in a pose, all of whose triangles are of `material`; nothing where it holds none. Points and lines
-/// become triangles that are Strokes. Tangents are read where `tangents` says that something looks at them.
+/// The numbers N of the TEXCOORD_N that become Mesh::uvs and Mesh::uvs1.
+using GltfUvSets = std::array<int, 2>;
+
+/// What the triangles of a primitive wear.
+struct GltfLook {
+    std::uint32_t material = 0;  ///< of the scene
+    GltfUvSets uv_sets{0, 1};
+    bool tangents = false;  ///< something looks at them
+};
+
+/// One primitive in a pose; nothing where it holds no triangle. Points and lines become triangles that are Strokes.
 [[nodiscard]] std::optional<Mesh> read_primitive(const GltfFile& file, std::size_t mesh, std::size_t primitive,
-                                                 std::uint32_t material, bool tangents, const GltfPose& pose,
-                                                 GltfLeftOut& left_out);
+                                                 const GltfLook& look, const GltfPose& pose, GltfLeftOut& left_out);
 
 /// Whether it is of points or lines.
 [[nodiscard]] bool is_strokes(const tinygltf::Primitive& primitive);

@@ -34,6 +34,13 @@ glm::dmat4 local_transform(const tinygltf::Node& node, const std::string& name, 
     return transform_of(translation, rotation, scale);
 }
 
+bool is_visible(const tinygltf::Node& node) {
+    const auto found = node.extensions.find("KHR_node_visibility");
+    if (found == node.extensions.end() || !found->second.Has("visible")) return true;
+    const tinygltf::Value& visible = found->second.Get("visible");
+    return !visible.IsBool() || visible.Get<bool>();
+}
+
 std::string name_of_node(const GltfFile& file, std::size_t node) {
     return gltf_name("node", file.model.nodes[node].name, node);
 }
@@ -67,13 +74,14 @@ std::vector<PlacedNode> place_below(const std::vector<int>& roots, const GltfFil
     struct Pending {
         int node;
         glm::dmat4 parent;
+        bool visible;
     };
     const std::vector<tinygltf::Node>& nodes = file.model.nodes;
     std::vector<Pending> pending;
-    const auto push = [&](const std::vector<int>& children, const glm::dmat4& parent) {
-        for (std::size_t i = children.size(); i-- > 0;) pending.push_back({children[i], parent});
+    const auto push = [&](const std::vector<int>& children, const glm::dmat4& parent, bool visible) {
+        for (std::size_t i = children.size(); i-- > 0;) pending.push_back({children[i], parent, visible});
     };
-    push(roots, glm::dmat4(1.0));
+    push(roots, glm::dmat4(1.0), true);
     std::vector<bool> seen(nodes.size(), false);
     std::vector<PlacedNode> placed;
     while (!pending.empty()) {
@@ -82,11 +90,11 @@ std::vector<PlacedNode> place_below(const std::vector<int>& roots, const GltfFil
         if (next.node < 0 || std::size_t(next.node) >= nodes.size())
             file.fail("a scene or node refers to node " + to_string(next.node) + " of " + to_string(nodes.size()));
         const auto i = std::size_t(next.node);
-        PlacedNode node{&nodes[i], name_of_node(file, i), {}};
+        PlacedNode node{&nodes[i], name_of_node(file, i), {}, next.visible && is_visible(nodes[i])};
         if (seen[i]) file.fail(node.name + " has two parents or is its own descendant", "nodes must form trees");
         seen[i] = true;
         node.world = next.parent * local_transform(nodes[i], node.name, file);
-        push(nodes[i].children, node.world);
+        push(nodes[i].children, node.world, node.visible);
         placed.push_back(std::move(node));
     }
     return placed;

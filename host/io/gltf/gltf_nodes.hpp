@@ -13,6 +13,7 @@ struct PlacedNode {
     const tinygltf::Node* node = nullptr;
     std::string name;
     glm::dmat4 world{1.0};
+    bool visible = true;  ///< it and all above it (KHR_node_visibility); cameras do not care
 };
 
 /// Translation, rotation (x, y, z, w; of any length but 0) and scale, in the order of section 3.5.3.

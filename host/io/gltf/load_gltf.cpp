@@ -29,7 +29,7 @@ void check_transform(const glm::dmat4& m, const std::string& name, const GltfFil
         file.fail(name + ": its transform is not affine", "the last row of a matrix must be 0 0 0 1");
 }
 
-/// Scaled to nothing, by which glTF hides a node (section 3.5.3).
+/// Scaled to nothing, by which glTF hides a node (section 3.5.3); what is not visible is placed like that.
 bool hides(const glm::dmat4& m) { return glm::dmat3(m) == glm::dmat3(0.0); }
 
 /// An instance's rays are transformed by the inverse, in float32: what is flatter than this is moved itself.
@@ -103,7 +103,8 @@ public:
         choose_variant();
         const std::vector<PlacedNode> nodes = place_nodes(file_, options_.scene);
         add_camera(nodes);
-        for (const PlacedNode& node : nodes) add_light(node);
+        for (const PlacedNode& node : nodes)
+            if (node.visible) add_light(node);
         const std::vector<PlacedShape> shapes = place_shapes(nodes);
         add_meshes(shapes);
         if (options_.live) name_objects(shapes), aim_camera();
@@ -118,6 +119,7 @@ private:
     [[nodiscard]] std::vector<std::string> names_of_cameras(const std::vector<const PlacedNode*>& nodes) const;
     void add_light(const PlacedNode& node);
     [[nodiscard]] Shape shape_of(const PlacedNode& node);
+    [[nodiscard]] std::vector<glm::dmat4> places_of(const PlacedNode& node, const Shape& shape) const;
     [[nodiscard]] std::vector<PlacedShape> place_shapes(const std::vector<PlacedNode>& nodes);
     void add_meshes(const std::vector<PlacedShape>& shapes);
     [[nodiscard]] std::vector<Mesh> read_shape(const Shape& shape, std::vector<Strokes>& strokes);
@@ -286,13 +288,17 @@ Shape Loader::shape_of(const PlacedNode& node) {
 }
 
 /// What follows joints is put where these are: the node's own transform does not count (section 3.7.3.3).
+std::vector<glm::dmat4> Loader::places_of(const PlacedNode& node, const Shape& shape) const {
+    if (!node.visible) return {glm::dmat4(glm::dmat3(0.0))};
+    return shape.skin >= 0 ? std::vector(1, glm::dmat4(1.0)) : placements_of(file_, node);
+}
+
 std::vector<PlacedShape> Loader::place_shapes(const std::vector<PlacedNode>& nodes) {
     std::vector<PlacedShape> placed;
     for (const PlacedNode& node : nodes) {
         if (node.node->mesh < 0) continue;
         const Shape shape = shape_of(node);
-        const bool skinned = shape.skin >= 0;
-        for (const glm::dmat4& world : skinned ? std::vector(1, glm::dmat4(1.0)) : placements_of(file_, node)) {
+        for (const glm::dmat4& world : places_of(node, shape)) {
             check_transform(world, node.name, file_);
             if (hides(world) && !options_.time) continue;  // of an animation a point is left, so that no frame is empty
             auto& [key, use] = *shapes_.try_emplace(shape).first;
@@ -317,8 +323,9 @@ std::vector<Mesh> Loader::read_shape(const Shape& shape, std::vector<Strokes>& s
         const std::uint32_t used =
             materials_.index_of(material_of(source.primitives[i]), gltf_name("mesh", source.name, index));
         const Material& m = scene_.materials[used];
-        const bool tangents = m.normal_map.used() || m.clearcoat_normal_map.used() || m.anisotropy > 0.f;
-        if (std::optional<Mesh> mesh = read_primitive(file_, index, i, used, tangents, pose, left_out_))
+        const GltfLook look{used, materials_.uv_sets(used),
+                            m.normal_map.used() || m.clearcoat_normal_map.used() || m.anisotropy > 0.f};
+        if (std::optional<Mesh> mesh = read_primitive(file_, index, i, look, pose, left_out_))
             (is_strokes(source.primitives[i]) ? strokes : meshes).push_back(*std::move(mesh));
     }
     return meshes;

@@ -202,10 +202,6 @@ TEST_F(GltfMaterial, TextureTransformAndSecondCoordinates) {
     EXPECT_EQ(use.rotation, 1.5f);
     info["extensions"]["KHR_texture_transform"]["texCoord"] = 0;
     EXPECT_EQ(load(base_texture(info)).materials.at(0).albedo_map.uv_set, 0u) << "the extension wins";
-    info["extensions"]["KHR_texture_transform"]["texCoord"] = 2;
-    EXPECT_FALSE(load(base_texture(info)).materials.at(0).albedo_map.used());
-    EXPECT_EQ(warnings.size(), 2u);
-    EXPECT_NE(warnings.at(0).find("TEXCOORD_2"), std::string::npos);
     // In an extension's own texture too.
     info["extensions"]["KHR_texture_transform"]["texCoord"] = 1;
     const Material m =
@@ -214,6 +210,35 @@ TEST_F(GltfMaterial, TextureTransformAndSecondCoordinates) {
             .materials.at(0);
     EXPECT_EQ(m.transmission_map.uv_set, 1u);
     EXPECT_EQ(m.transmission_map.scale, glm::vec2(2.f, 3.f));
+}
+
+/// Each material chooses two of all sets of coordinates.
+TEST_F(GltfMaterial, AnyTwoSetsOfCoordinates) {
+    builder.texture(rgba_uri);
+    json& attributes = builder.root["meshes"][0]["primitives"][0]["attributes"];
+    for (const int set : {0, 1, 2, 3})
+        attributes["TEXCOORD_" + std::to_string(set)] =
+            builder.accessor<float>("VEC2", std::vector<float>(6, float(set)));
+    const auto sets = [&](int base, int normal, int emissive) {
+        const auto texture = [](int set) { return json{{"index", 0}, {"texCoord", set}}; };
+        const Scene scene = load({{"pbrMetallicRoughness", {{"baseColorTexture", texture(base)}}},
+                                  {"normalTexture", texture(normal)},
+                                  {"emissiveFactor", {1, 1, 1}},
+                                  {"emissiveTexture", texture(emissive)}});
+        const Mesh& mesh = scene.meshes.at(0);
+        const Material& m = scene.materials.at(0);
+        std::vector<float> found;
+        for (const TextureUse& use : {m.albedo_map, m.normal_map, m.emission_map})
+            found.push_back(!use.used() ? -1.f : (use.uv_set == 0 ? mesh.uvs : mesh.uvs1).at(0).x);
+        return found;
+    };
+    EXPECT_EQ(sets(0, 1, 1), (std::vector<float>{0, 1, 1}));
+    EXPECT_EQ(sets(1, 0, 1), (std::vector<float>{1, 0, 1}));
+    EXPECT_EQ(sets(2, 0, 2), (std::vector<float>{2, 0, 2}));
+    EXPECT_EQ(sets(3, 1, 3), (std::vector<float>{3, 1, 3}));
+    EXPECT_EQ(warned("left out"), 0u);
+    EXPECT_EQ(sets(3, 2, 1), (std::vector<float>{3, 2, -1}));
+    EXPECT_EQ(warned("a texture with coordinates TEXCOORD_1 is left out, a material has at most two sets"), 1u);
 }
 
 TEST_F(GltfMaterial, TangentsAreReadForNormalMaps) {

@@ -2,13 +2,10 @@
 
 namespace claray {
 
-bool is_compression(std::string_view extension) {
-    return extension == draco_extension || extension == meshopt_extension;
-}
+bool is_compression(std::string_view extension) { return extension == draco_extension || is_meshopt(extension); }
 
 bool can_decode(std::string_view extension) {
-    return (CLARAY_WITH_DRACO && extension == draco_extension) ||
-           (CLARAY_WITH_MESHOPT && extension == meshopt_extension);
+    return (CLARAY_WITH_DRACO && extension == draco_extension) || (CLARAY_WITH_MESHOPT && is_meshopt(extension));
 }
 
 std::size_t count_in(const GltfFile& file, const tinygltf::Value& object, const char* key, std::size_t fallback,
@@ -21,10 +18,11 @@ std::size_t count_in(const GltfFile& file, const tinygltf::Value& object, const 
 
 void decompress(GltfFile& file) {
     tinygltf::Model& model = file.model;
-    if (can_decode(meshopt_extension))
-        for (std::size_t i = 0; i < model.bufferViews.size(); ++i)
-            if (model.bufferViews[i].extensions.count(meshopt_extension) > 0)
-                decode_meshopt_view(file, model.bufferViews[i], gltf_name("buffer view", model.bufferViews[i].name, i));
+    for (std::size_t i = 0; i < model.bufferViews.size(); ++i)
+        for (const char* extension : meshopt_extensions)
+            if (can_decode(extension) && model.bufferViews[i].extensions.contains(extension))
+                decode_meshopt_view(file, model.bufferViews[i], extension,
+                                    gltf_name("buffer view", model.bufferViews[i].name, i));
     if (can_decode(draco_extension))
         for (std::size_t i = 0; i < model.meshes.size(); ++i)
             for (tinygltf::Primitive& primitive : model.meshes[i].primitives)

@@ -1,5 +1,6 @@
 #include "host/io/gltf/decode/gltf_json.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -76,6 +77,8 @@ void write_whole_numbers(json& value) {
         value = std::uint64_t(number);
 }
 
+std::string text_of(const json& root) { return root.dump(-1, ' ', false, json::error_handler_t::replace); }
+
 /// Takes it away: it may hold all bytes.
 std::string take_uri(json& object) {
     const auto found = object.find("uri");
@@ -91,8 +94,9 @@ GltfSource take_buffer(json& buffer, std::size_t index, const GltfFile& file) {
     const double bytes = length != buffer.end() && length->is_number() ? length->get<double>() : -1;
     if (!(bytes >= 0 && bytes < 1e15)) file.fail("buffer " + to_string(index) + " has no byteLength");
     source.length = std::size_t(bytes);
-    json* meshopt = extension_of(buffer, meshopt_extension);
-    source.is_optional = meshopt != nullptr && meshopt->value("fallback", json(false)) == json(true);
+    for (const char* name : meshopt_extensions)
+        if (const json* meshopt = extension_of(buffer, name))
+            source.is_optional |= meshopt->value("fallback", json(false)) == json(true);
     buffer["byteLength"] = 1;
     buffer["uri"] = "data:application/octet-stream;base64,AA==";
     return source;
@@ -109,18 +113,74 @@ GltfSource take_image(json& image) {
     return source;
 }
 
-/// KHR_animation_pointer moves other things than nodes. The number of such channels.
-std::size_t drop_channels_without_node(json& animation) {
-    if (!animation.contains("channels") || !animation["channels"].is_array()) return 0;
+/// The pointer of a channel, empty if it has none.
+json::json_pointer pointer_of(json& target) try {
+    json* extension = extension_of(target, "KHR_animation_pointer");
+    return json::json_pointer(extension ? extension->value("pointer", std::string()) : std::string());
+} catch (const json::exception&) {  // it is no pointer
+    return {};
+}
+
+/// A pointer to what channels of nodes move is written as such a channel.
+void name_node(json& target, const json::json_pointer& pointer) {
+    const json::json_pointer node = pointer.parent_pointer();
+    if (pointer.empty() || node.empty() || node.parent_pointer().to_string() != "/nodes") return;
+    const std::string &path = pointer.back(), &index = node.back();
+    const bool moves = path == "translation" || path == "rotation" || path == "scale" || path == "weights";
+    if (!moves || index.empty() || index.size() > 9 || index.find_first_not_of("0123456789") != index.npos) return;
+    target = {{"node", std::stoi(index)}, {"path", path}};
+}
+
+/// Channels that move no node become pointers, as far as they have one.
+void take_pointers(json& animation, std::size_t index, AdaptedJson& to) {
+    if (!animation.contains("channels") || !animation["channels"].is_array()) return;
     json kept = json::array();
     for (json& channel : animation["channels"]) {
-        const bool moves = !channel.is_object() || !channel.contains("target") || !channel["target"].is_object() ||
-                           (channel["target"].contains("node") && channel["target"].contains("path"));
-        if (moves) kept.push_back(std::move(channel));
+        const bool has_target = channel.is_object() && channel.contains("target") && channel["target"].is_object();
+        json::json_pointer pointer;
+        if (has_target) pointer = pointer_of(channel["target"]), name_node(channel["target"], pointer);
+        if (!has_target || (channel["target"].contains("node") && channel["target"].contains("path"))) {
+            kept.push_back(std::move(channel));
+            continue;
+        }
+        const auto sampler = channel.find("sampler");
+        const bool has_sampler = sampler != channel.end() && sampler->is_number_unsigned();
+        if (pointer.empty() || !has_sampler)
+            ++to.channels_left_out;
+        else
+            to.pointers.push_back({index, sampler->get<int>(), pointer.to_string()});
     }
-    const std::size_t dropped = animation["channels"].size() - kept.size();
     animation["channels"] = std::move(kept);
-    return dropped;
+}
+
+/// Indices, names and the like do not move (section "Mutable Properties" of the Asset Object Model).
+bool can_move(const json& root, const json::json_pointer& place) {
+    static constexpr std::string_view roots[] = {"/nodes/", "/materials/", "/cameras/", "/extensions/"},
+                                      fixed[] = {"camera", "children", "doubleSided", "index", "light",   "matrix",
+                                                 "mesh",   "name",     "skin",        "type",  "texCoord"};
+    const std::string text = place.to_string(), &last = place.back();
+    const auto begins = [&](std::string_view root_name) { return text.starts_with(root_name); };
+    if (std::none_of(std::begin(roots), std::end(roots), begins)) return false;
+    if (std::find(std::begin(fixed), std::end(fixed), last) != std::end(fixed)) return false;
+    const json::json_pointer parent = place.parent_pointer();
+    return root.contains(parent) && (root.at(parent).is_object() || root.contains(place));
+}
+
+bool write_change(json& root, const GltfChange& change) try {
+    const json::json_pointer place(change.place);
+    if (!can_move(root, place)) return false;
+    const bool is_known = root.contains(place), one = change.numbers.size() == 1;
+    if (is_known && root.at(place).is_array() && root.at(place).size() != change.numbers.size()) return false;
+    json& value = root[place];
+    if (value.is_boolean() || place.back() == "visible")
+        value = change.numbers.at(0) != 0;
+    else if (one && !value.is_array())
+        value = change.numbers[0];
+    else
+        value = change.numbers;
+    return true;
+} catch (const json::exception&) {  // of pointers to what cannot be
+    return false;
 }
 
 }  // namespace
@@ -137,10 +197,19 @@ AdaptedJson adapted_to_tinygltf(std::string_view text, const GltfFile& file) {
         adapted.buffers.push_back(take_buffer(buffer, adapted.buffers.size(), file));
     });
     for_each_object(root, "images", [&](json& image) { adapted.images.push_back(take_image(image)); });
-    for_each_object(root, "animations",
-                    [&](json& animation) { adapted.channels_without_node += drop_channels_without_node(animation); });
-    adapted.text = root.dump(-1, ' ', false, json::error_handler_t::replace);
+    std::size_t animations = 0;
+    for_each_object(root, "animations", [&](json& animation) { take_pointers(animation, animations++, adapted); });
+    adapted.text = text_of(root);
     return adapted;
+}
+
+std::size_t write_changes(std::string& text, const std::vector<GltfChange>& changes) {
+    json root = json::parse(text);
+    const auto fails = [&](const GltfChange& change) { return !write_change(root, change); };
+    const auto failed = std::size_t(std::count_if(changes.begin(), changes.end(), fails));
+    write_whole_numbers(root);
+    text = text_of(root);
+    return failed;
 }
 
 }  // namespace claray

@@ -1,4 +1,4 @@
-// Buffer views compressed by meshoptimizer (EXT_meshopt_compression).
+// Buffer views compressed by meshoptimizer (EXT_meshopt_compression, KHR_meshopt_compression).
 #include "host/io/gltf/decode/gltf_compression.hpp"
 
 #if CLARAY_WITH_MESHOPT
@@ -42,12 +42,13 @@ void check(const GltfFile& file, const Packed& packed, const std::string& name) 
     const bool attributes = packed.mode == "ATTRIBUTES", triangles = packed.mode == "TRIANGLES";
     if (!attributes && !triangles && packed.mode != "INDICES")
         file.fail(name + ": its compression has the unknown mode '" + packed.mode + "'");
-    const bool known_filter = packed.filter == "NONE" || packed.filter == "OCTAHEDRAL" ||
+    const bool known_filter = packed.filter == "NONE" || packed.filter == "OCTAHEDRAL" || packed.filter == "COLOR" ||
                               packed.filter == "QUATERNION" || packed.filter == "EXPONENTIAL";
     if (!known_filter || (!attributes && packed.filter != "NONE"))
         file.fail(name + ": its compression has the filter '" + packed.filter + "', which its mode does not support");
     const bool fits_mode = attributes ? stride >= 4 && stride <= 256 && stride % 4 == 0 : stride == 2 || stride == 4;
-    const bool fits_filter = packed.filter == "OCTAHEDRAL"   ? stride == 4 || stride == 8
+    const bool is_packed = packed.filter == "OCTAHEDRAL" || packed.filter == "COLOR";
+    const bool fits_filter = is_packed                       ? stride == 4 || stride == 8
                              : packed.filter == "QUATERNION" ? stride == 8
                                                              : true;
     if (!fits_mode || !fits_filter)
@@ -57,6 +58,19 @@ void check(const GltfFile& file, const Packed& packed, const std::string& name) 
     if (packed.count > (packed.bytes.size() + 1) * 1024)
         file.fail(name + ": its compressed data is cut off: " + to_string(packed.bytes.size()) + " bytes for " +
                   to_string(packed.count) + " elements");
+}
+
+/// Whether the library is too old for the codec's version 1 or the filter COLOR, which version 0.25 brought.
+bool is_too_new(const Packed& packed) {
+    constexpr unsigned char version_1 = 0xa1;
+    const bool new_codec = packed.mode == "ATTRIBUTES" && !packed.bytes.empty() &&
+                           static_cast<unsigned char>(packed.bytes[0]) == version_1;
+    return MESHOPTIMIZER_VERSION < 250 && (new_codec || packed.filter == "COLOR");
+}
+
+bool has_bytes(const GltfFile& file, const tinygltf::BufferView& view) {
+    return view.buffer >= 0 && std::size_t(view.buffer) < file.model.buffers.size() &&
+           !file.model.buffers[std::size_t(view.buffer)].data.empty();
 }
 
 /// 0 where all went well.
@@ -71,19 +85,27 @@ int decode_meshopt(const Packed& packed, std::vector<unsigned char>& to) {
     if (fault != 0) return fault;
     if (packed.filter == "OCTAHEDRAL") meshopt_decodeFilterOct(to.data(), packed.count, packed.stride);
     if (packed.filter == "QUATERNION") meshopt_decodeFilterQuat(to.data(), packed.count, packed.stride);
+#if MESHOPTIMIZER_VERSION >= 250
+    if (packed.filter == "COLOR") meshopt_decodeFilterColor(to.data(), packed.count, packed.stride);
+#endif
     if (packed.filter == "EXPONENTIAL") meshopt_decodeFilterExp(to.data(), packed.count, packed.stride);
     return 0;
 }
 
 }  // namespace
 
-void decode_meshopt_view(GltfFile& file, tinygltf::BufferView& view, const std::string& name) {
-    const tinygltf::Value& extension = view.extensions.at(meshopt_extension);
+void decode_meshopt_view(GltfFile& file, tinygltf::BufferView& view, const char* name_of_extension,
+                         const std::string& name) {
+    const tinygltf::Value& extension = view.extensions.at(name_of_extension);
     if (!extension.IsObject()) return;
     const Packed packed{bytes_of(file, extension, name), count_in(file, extension, "byteStride", 0, name),
                         count_in(file, extension, "count", 0, name), text_in(extension, "mode", ""),
                         text_in(extension, "filter", "NONE")};
     check(file, packed, name);
+    if (is_too_new(packed) && has_bytes(file, view)) return;  // the file has the same uncompressed
+    if (is_too_new(packed))
+        file.fail(name + " is compressed by version 1 of KHR_meshopt_compression, which needs meshoptimizer 0.25",
+                  "build claray with it, or export with EXT_meshopt_compression");
     std::vector<unsigned char> decoded(packed.count * packed.stride);
     if (packed.count > 0 && decode_meshopt(packed, decoded) != 0) file.fail(name + ": its compressed data is damaged");
     view.buffer = int(file.model.buffers.size());
@@ -94,6 +116,6 @@ void decode_meshopt_view(GltfFile& file, tinygltf::BufferView& view, const std::
 }
 
 #else
-void decode_meshopt_view(GltfFile&, tinygltf::BufferView&, const std::string&) {}
+void decode_meshopt_view(GltfFile&, tinygltf::BufferView&, const char*, const std::string&) {}
 #endif
 }  // namespace claray
