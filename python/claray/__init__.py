@@ -30,6 +30,7 @@ from ._scene import LoadOptions, MeshArrays, Scene, animation_seconds, builtin_s
 from ._textures import Environment, Texture
 from ._values import GBUFFER, GBuffer, ImageError, TextureUse
 from ._verify import verify, verify_cases
+from ._view import View, view
 from .errors import DeviceError, Error, InputError, UsageError
 
 del _loader
@@ -40,9 +41,9 @@ __all__ = [
     "Cryptomatte", "Device", "DeviceError", "Environment", "Error", "Event", "Filter", "FlatInstances", "GBuffer", "Image", "ImageError",
     "InputError", "InstancedBvh", "Instances", "Light", "LightGridOptions", "LightMapOptions", "Lists", "LoadOptions",
     "Material", "MeshArrays", "Primitives", "Query", "Rays", "RenderOptions", "RenderProgress", "RenderStatistics", "Renderer", "Scene",
-    "Study", "Texture", "TextureUse", "UsageError", "accuracy", "add_bsdf", "all_hits", "animation_seconds", "any_hit",
+    "Study", "Texture", "TextureUse", "UsageError", "View", "accuracy", "add_bsdf", "all_hits", "animation_seconds", "any_hit",
     "approximation_error", "bake_light_map", "benchmark", "box_overlaps", "builtin_scenes", "closest_hit", "compile_kernels",
     "count_hits", "default_device", "devices", "errors", "explain", "false_color", "flatten", "geometry_range",
     "identifier_color", "image_error", "inside", "load", "nearest_hits", "nearest_point", "prepare", "rays", "render",
-    "render_probe", "signed_distance", "sphere_overlaps", "studies", "tell_compiling", "unoccluded", "verify", "verify_cases",
+    "render_probe", "signed_distance", "sphere_overlaps", "studies", "tell_compiling", "unoccluded", "verify", "verify_cases", "view",
 ]

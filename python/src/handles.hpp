@@ -86,5 +86,6 @@ void bind_bake(nb::module_& module);
 void bind_explain(nb::module_& module);
 void bind_accuracy(nb::module_& module);
 void bind_verify(nb::module_& module);
+void bind_view(nb::module_& module);
 
 }  // namespace claray::python

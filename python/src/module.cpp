@@ -23,4 +23,5 @@ NB_MODULE(_native, module) {
     bind_explain(module);
     bind_accuracy(module);
     bind_verify(module);
+    bind_view(module);
 }

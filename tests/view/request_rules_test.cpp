@@ -14,6 +14,7 @@ using namespace view;
 struct Asked {
     httplib::Headers headers = {};
     std::string method = "GET", path = "/status", served = "127.0.0.1";
+    bool framed = false;
 };
 
 /// The status of the refusal; 0: it is answered.
@@ -21,7 +22,7 @@ int refused(const Asked& asked) {
     httplib::Request request;
     request.method = asked.method, request.path = asked.path, request.headers = asked.headers;
     if (!request.has_header("Host")) request.set_header("Host", "localhost:8080");
-    const std::optional<Refusal> refusal = refusal_of(request, asked.served);
+    const std::optional<Refusal> refusal = refusal_of(request, {.host = asked.served, .framed = asked.framed});
     return refusal ? refusal->status : 0;
 }
 
@@ -63,6 +64,8 @@ TEST(RequestRules, PagesOfOtherSitesAreRefused) {
     EXPECT_EQ(refused({.headers = link, .path = "/picture.png"}), 403);
     link.erase("Sec-Fetch-Dest"), link.emplace("Sec-Fetch-Dest", "iframe");
     EXPECT_EQ(refused({.headers = link, .path = "/"}), 403);
+    EXPECT_EQ(refused({.headers = link, .path = "/", .framed = true}), 0);
+    EXPECT_EQ(refused({.headers = link, .path = "/picture.png", .framed = true}), 403);
 }
 
 TEST(RequestRules, BodiesAreShortPlainAndOfKnownLength) {
@@ -98,23 +101,28 @@ TEST(RequestRules, PiecesOfFilesAreLonger) {
 
 TEST(RequestRules, ATokenIsNeededIfThereIsOne) {
     const std::string token = "0123456789abcdef";
-    const auto with = [&](const httplib::Headers& headers, const std::string& parameter = {}) {
+    const auto ask = [&](const std::string& path, const httplib::Headers& headers = {}) {
         httplib::Request request;
-        request.method = "GET", request.path = "/status", request.headers = headers;
+        request.method = "GET", request.path = path, request.headers = headers;
         request.set_header("Host", "127.0.0.1");
-        if (!parameter.empty()) request.params.emplace("token", parameter);
-        const std::optional<Refusal> refusal = refusal_of(request, "127.0.0.1", token);
-        return refusal ? refusal->status : 0;
+        take_token(request, token);
+        const std::optional<Refusal> refusal = refusal_of(request, {.host = "127.0.0.1", .token = token});
+        return refusal ? std::to_string(refusal->status) : request.path;
     };
-    EXPECT_EQ(with({}), 401);
-    EXPECT_EQ(with({}, token), 0);
-    for (const char* other : {"0123456789abcde", "0123456789abcdef0", "0123456789abcdeF"})
-        EXPECT_EQ(with({}, other), 401);
-    EXPECT_EQ(with({{"Authorization", "Bearer " + token}}), 0);
-    EXPECT_EQ(with({{"Authorization", token}}), 401);
-    EXPECT_EQ(with({{"Cookie", "a=b; " + cookie_name(token) + "=" + token}}), 0);
-    EXPECT_EQ(with({{"Cookie", "claray-x=" + token}}), 401);
-    EXPECT_EQ(with({{"Cookie", cookie_name(token) + "="}}), 401);
+    EXPECT_EQ(ask("/status"), "401");
+    EXPECT_EQ(ask("/" + token + "/status"), "/status");
+    EXPECT_EQ(ask("/" + token + "/"), "/");
+    EXPECT_EQ(ask("/" + token + "/" + token + "/"), "/" + token + "/");
+    for (const char* other : {"0123456789abcde", "0123456789abcdef0", "0123456789abcdeF", ""})
+        EXPECT_EQ(ask("/" + std::string(other) + "/status"), "401") << other;
+    EXPECT_EQ(ask("/" + token), "401");
+    EXPECT_EQ(ask("/status", {{"Authorization", "Bearer " + token}}), "/status");
+    EXPECT_EQ(ask("/status", {{"Authorization", token}}), "401");
+    EXPECT_EQ(ask("/" + token + "/status", {{"Authorization", "Bearer other"}}), "/status");
+    httplib::Request open;
+    open.path = "/x/status";
+    take_token(open, "");
+    EXPECT_EQ(open.path, "/x/status");
 }
 
 }  // namespace

@@ -37,6 +37,12 @@ Scene one_sphere() {
 const ViewConfig web_config{.render = {.width = 24, .height = 16, .spp = 4, .max_depth = 4}, .picture = {}};
 const std::string part = "--frame\r\nContent-Type: image/jpeg\r\n\r\n";
 
+int port_of(const std::string& url) { return std::stoi(url.substr(url.rfind(':') + 1)); }
+/// Of "http://host:port/TOKEN/".
+std::string token_of(const std::string& url) {
+    const std::size_t end = url.rfind('/'), begin = url.rfind('/', end - 1) + 1;
+    return url.substr(begin, end - begin);
+}
 int status_of(const httplib::Result& result) { return result ? result->status : 0; }
 
 /// A connection that sends what it likes.
@@ -100,7 +106,7 @@ protected:
         web.ready = [&](const std::string& url) { ready.set_value(url); };
         served_ = std::async(std::launch::async, [this, web] { serve(view_, web); });
         const std::string url = ready.get_future().get();
-        port_ = std::stoi(url.substr(url.rfind(':') + 1));
+        port_ = port_of(url);
         client_ = std::make_unique<httplib::Client>("127.0.0.1", port_);
         client_->set_read_timeout(std::chrono::hours(1));
         wait_for("24x16, 4 samples");
@@ -381,22 +387,38 @@ TEST(ViewWebServer, OtherComputersNeedAToken) {
     View view(device(), one_sphere(), web_config);
     WebConfig web{.host = "0.0.0.0", .port = 0, .goes_on = [] { return true; }};
     web.ready = [&](const std::string& url) {
-        const std::size_t mark = url.find("/?token=");
-        ASSERT_NE(mark, std::string::npos) << url;
-        const std::string token = url.substr(mark + 8);
+        const std::string token = token_of(url);
         EXPECT_EQ(token.size(), 32u);
-        httplib::Client client("127.0.0.1", std::stoi(url.substr(url.rfind(':', mark) + 1)));
-        for (const char* path : {"/", "/main.js", "/frame", "/scene", "/picture.png", "/?token=0"})
+        httplib::Client client("127.0.0.1", port_of(url));
+        for (const char* path : {"/", "/main.js", "/frame", "/scene", "/picture.png", "/0/"})
             EXPECT_EQ(status_of(client.Get(path)), 401) << path;
         EXPECT_EQ(status_of(client.Post("/command", "quit", "text/plain")), 401);
-        const auto page = client.Get("/?token=" + token);
+        const auto page = client.Get("/" + token + "/");
         ASSERT_EQ(status_of(page), 200);
-        const std::string cookie = page->get_header_value("Set-Cookie");
-        EXPECT_NE(cookie.find("HttpOnly; SameSite=Strict"), std::string::npos) << cookie;
-        const httplib::Headers by_cookie = {{"Cookie", "other=1; " + cookie.substr(0, cookie.find(';'))}};
-        EXPECT_EQ(status_of(client.Get("/main.js", by_cookie)), 200);
+        EXPECT_EQ(page->get_header_value("X-Frame-Options"), "DENY");
+        EXPECT_EQ(status_of(client.Get("/" + token + "/main.js")), 200);
         EXPECT_EQ(status_of(client.Get("/status", {{"Authorization", "Bearer " + token}})), 200);
-        EXPECT_EQ(status_of(client.Post("/command", by_cookie, "quit", "text/plain")), 200);
+        EXPECT_EQ(status_of(client.Post("/" + token + "/command", "quit", "text/plain")), 200);
+    };
+    serve(view, web);
+}
+
+TEST(ViewWebServer, FramesOfOtherSitesNeedAToken) {
+    View view(device(), one_sphere(), web_config);
+    WebConfig web{.port = 0, .framed = true, .goes_on = [] { return true; }};
+    web.ready = [&](const std::string& url) {
+        const std::string token = token_of(url);
+        EXPECT_EQ(token.size(), 32u);
+        httplib::Client client("127.0.0.1", port_of(url));
+        const httplib::Headers frame = {
+            {"Sec-Fetch-Site", "cross-site"}, {"Sec-Fetch-Mode", "navigate"}, {"Sec-Fetch-Dest", "iframe"}};
+        EXPECT_EQ(status_of(client.Get("/", frame)), 401);
+        const auto page = client.Get("/" + token + "/", frame);
+        ASSERT_EQ(status_of(page), 200);
+        EXPECT_FALSE(page->has_header("X-Frame-Options"));
+        EXPECT_EQ(page->get_header_value("Content-Security-Policy").find("frame-ancestors"), std::string::npos);
+        EXPECT_EQ(status_of(client.Get("/" + token + "/picture.png", {{"Sec-Fetch-Site", "cross-site"}})), 403);
+        EXPECT_EQ(status_of(client.Post("/" + token + "/command", "quit", "text/plain")), 200);
     };
     serve(view, web);
 }
@@ -405,7 +427,7 @@ TEST(ViewWebServer, QuitEndsIt) {
     View view(device(), one_sphere(), web_config);
     WebConfig web{.port = 0, .goes_on = [] { return true; }};
     web.ready = [&](const std::string& url) {
-        httplib::Client client("127.0.0.1", std::stoi(url.substr(url.rfind(':') + 1)));
+        httplib::Client client("127.0.0.1", port_of(url));
         EXPECT_EQ(status_of(client.Post("/command", "quit", "text/plain")), 200);
     };
     serve(view, web);

@@ -35,6 +35,14 @@ struct HttpAnswer {
 };
 using HttpHandler = std::function<HttpAnswer(const HttpRequest&)>;
 
+/// Who may ask a server.
+struct HttpAccess {
+    std::string host;  ///< the address to listen at
+    /// That every request must have: as the first folder of its path, or as a header Authorization. Empty: none.
+    std::string token = {};
+    bool framed = false;  ///< pages of other sites may show the page in a frame: those that know the token
+};
+
 /// Bounds what clients cost, and refuses requests of other sites: see `refusal_of` and LimitedServer.
 class HttpServer {
 public:
@@ -52,15 +60,7 @@ public:
     virtual void stop() = 0;
 };
 
-/// `host`: the address to listen at. `token`: that every request must have, in its address, as a cookie or as a header
-/// Authorization; empty: none. Throws ErrorKind::user if this claray has no server.
-[[nodiscard]] std::unique_ptr<HttpServer> make_http_server(const std::string& host, const std::string& token);
-
-/// The name of the cookie with a token: two servers of one host have two.
-[[nodiscard]] inline std::string cookie_name(const std::string& token) { return "claray-" + token.substr(0, 8); }
-/// The value of a header Set-Cookie, by which a page that was opened with the token sends it with each request.
-[[nodiscard]] inline std::string cookie_of(const std::string& token) {
-    return cookie_name(token) + "=" + token + "; Path=/; HttpOnly; SameSite=Strict";
-}
+/// Throws ErrorKind::user if this claray has no server.
+[[nodiscard]] std::unique_ptr<HttpServer> make_http_server(const HttpAccess& access);
 
 }  // namespace claray::view

@@ -16,22 +16,24 @@ void reuse_address(socket_t socket) {
 
 }  // namespace
 
-LimitedServer::LimitedServer(std::string host, std::string token) : host_(std::move(host)), token_(std::move(token)) {
+LimitedServer::LimitedServer(HttpAccess access) : access_(std::move(access)) {
     set_socket_options(reuse_address);
     set_tcp_nodelay(true);  // the last bytes of a frame do not wait
     set_keep_alive_max_count(1000);
     set_keep_alive_timeout(2);
     new_task_queue = [] { return new httplib::ThreadPool(most_connections); };
-    set_default_headers(
-        {{"Accept-Ranges", "none"},
-         {"Cache-Control", "no-store"},
-         {"Content-Security-Policy",
-          "default-src 'self'; img-src 'self' blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"},
-         {"Cross-Origin-Resource-Policy", "same-origin"},
-         {"X-Content-Type-Options", "nosniff"},
-         {"X-Frame-Options", "DENY"}});
+    const std::string policy = "default-src 'self'; img-src 'self' blob:; base-uri 'none'; form-action 'none'";
+    httplib::Headers headers = {
+        {"Accept-Ranges", "none"},
+        {"Cache-Control", "no-store"},
+        {"Content-Security-Policy", policy + (access_.framed ? "" : "; frame-ancestors 'none'")},
+        {"Cross-Origin-Resource-Policy", "same-origin"},
+        {"Referrer-Policy", "same-origin"},  // an address may have the token
+        {"X-Content-Type-Options", "nosniff"}};
+    if (!access_.framed) headers.emplace("X-Frame-Options", "DENY");
+    set_default_headers(std::move(headers));
     set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
-        const std::optional<Refusal> refusal = refusal_of(request, host_, token_);
+        const std::optional<Refusal> refusal = refusal_of(request, access_);
         if (!refusal) return HandlerResponse::Unhandled;
         response.status = refusal->status;
         response.set_content(refusal->why + "\n", "text/plain");
@@ -49,7 +51,8 @@ bool LimitedServer::process_and_close_socket(socket_t socket) {
         bool refused = true;  // unless its headers can be read
         const auto prepare = [&](httplib::Request& request) {
             request.ranges.clear();
-            refused = refusal_of(request, host_, token_).has_value();
+            take_token(request, access_.token);
+            refused = refusal_of(request, access_).has_value();
             if (!refused) return connection.expect(body_of(request));
             request.headers.erase("Expect");  // no body is asked for
             request.headers.erase("Connection");

@@ -3,7 +3,7 @@
 
 #include <httplib.h>
 
-#include <string>
+#include "host/view/http/http.hpp"
 
 namespace claray::view {
 
@@ -11,13 +11,12 @@ namespace claray::view {
 /// bodies are read, ranges are not made, and their connections end.
 class LimitedServer : public httplib::Server {
 public:
-    /// `host`: that it listens at. `token`: that requests must have; empty: none.
-    LimitedServer(std::string host, std::string token);
+    explicit LimitedServer(HttpAccess access);
 
 private:
     bool process_and_close_socket(socket_t socket) override;
 
-    std::string host_, token_;
+    HttpAccess access_;
 };
 
 }  // namespace claray::view

@@ -3,11 +3,11 @@
 
 namespace claray::view {
 
-std::unique_ptr<HttpServer> make_http_server(const std::string& host, const std::string& token) {
-    auto* const make = plugin_function<HttpServer*(const char*, const char*)>(
+std::unique_ptr<HttpServer> make_http_server(const HttpAccess& access) {
+    auto* const make = plugin_function<HttpServer*(const HttpAccess&)>(
         "claray-http.so", "claray_http_server",
         "the web page cannot be served: ", "install claray with claray-http.so");
-    return std::unique_ptr<HttpServer>(make(host.c_str(), token.c_str()));
+    return std::unique_ptr<HttpServer>(make(access));
 }
 
 }  // namespace claray::view

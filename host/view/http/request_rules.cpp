@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <sstream>
 
 #include "host/view/http/http.hpp"
 
@@ -13,6 +12,7 @@ namespace claray::view {
 namespace {
 
 constexpr const char* digits = "0123456789";
+const std::string bearer = "Bearer ";  // RFC 6750, section 2.1
 
 std::string lower(std::string text) {
     std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return char(std::tolower(c)); });
@@ -40,14 +40,15 @@ bool is_served(const std::string& host, const std::string& served) {
     return name == "0.0.0.0" || name == "[::]" || host == name || (is_own(host) && is_own(name));
 }
 
-/// Browsers state where a request comes from (W3C Fetch Metadata). Links of other sites to the page are followed: no
-/// page can look into it.
-bool is_of_another_site(const httplib::Request& request) {
+/// Browsers state where a request comes from (W3C Fetch Metadata). Links of other sites to the page are followed, and
+/// frames of other sites show it if they may: no page can look into it.
+bool is_of_another_site(const httplib::Request& request, bool framed) {
     const std::string site = request.get_header_value("Sec-Fetch-Site");
-    const bool follows_link = request.path == "/" && request.method == "GET" &&
-                              request.get_header_value("Sec-Fetch-Mode") == "navigate" &&
-                              request.get_header_value("Sec-Fetch-Dest") == "document";
-    return !site.empty() && site != "same-origin" && site != "none" && !follows_link;
+    const std::string place = request.get_header_value("Sec-Fetch-Dest");
+    const bool opens_page = request.path == "/" && request.method == "GET" &&
+                            request.get_header_value("Sec-Fetch-Mode") == "navigate" &&
+                            (place == "document" || (framed && place == "iframe"));
+    return !site.empty() && site != "same-origin" && site != "none" && !opens_page;
 }
 
 bool is_of_another_origin(const httplib::Request& request, const std::string& host) {
@@ -62,18 +63,8 @@ bool are_equal(const std::string& a, const std::string& b) {
     return differences == 0;
 }
 
-/// The value of a cookie; empty if the request has none of this name (RFC 6265, section 5.4).
-std::string cookie(const httplib::Request& request, const std::string& name) {
-    std::istringstream cookies(request.get_header_value("Cookie"));
-    for (std::string pair; std::getline(cookies >> std::ws, pair, ';');)
-        if (pair.starts_with(name + "=")) return pair.substr(name.size() + 1);
-    return {};
-}
-
 bool has_token(const httplib::Request& request, const std::string& token) {
-    const std::string given = request.has_param("token") ? request.get_param_value("token") : std::string();
-    return token.empty() || are_equal(given, token) || are_equal(cookie(request, cookie_name(token)), token) ||
-           are_equal(request.get_header_value("Authorization"), "Bearer " + token);
+    return token.empty() || are_equal(request.get_header_value("Authorization"), bearer + token);
 }
 
 std::optional<Refusal> refusal_of_body(const httplib::Request& request) {
@@ -107,14 +98,22 @@ std::size_t body_of(const httplib::Request& request) {
     return length;
 }
 
-std::optional<Refusal> refusal_of(const httplib::Request& request, const std::string& served,
-                                  const std::string& token) {
+void take_token(httplib::Request& request, const std::string& token) {
+    const std::size_t end = request.path.find('/', 1);
+    if (token.empty() || end == std::string::npos || !are_equal(request.path.substr(1, end - 1), token)) return;
+    request.path.erase(0, end);
+    request.headers.erase("Authorization");
+    request.set_header("Authorization", bearer + token);
+}
+
+std::optional<Refusal> refusal_of(const httplib::Request& request, const HttpAccess& access) {
     const std::string host = request.get_header_value("Host");
-    if (request.get_header_value_count("Host") != 1 || !is_served(host_of(host), served))
+    if (request.get_header_value_count("Host") != 1 || !is_served(host_of(host), access.host))
         return Refusal{403, "the view is not served to other hosts; see claray view --host"};
-    if (is_of_another_site(request) || is_of_another_origin(request, host))
+    if (is_of_another_site(request, access.framed) || is_of_another_origin(request, host))
         return Refusal{403, "the view is not served to pages of other sites"};
-    if (!has_token(request, token)) return Refusal{401, "a token is needed; open the address that claray view printed"};
+    if (!has_token(request, access.token))
+        return Refusal{401, "a token is needed; open the address that claray view printed"};
     if (request.method != "GET" && request.method != "HEAD" && request.method != "POST")
         return Refusal{405, "use GET or POST"};
     return refusal_of_body(request);

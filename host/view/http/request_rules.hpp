@@ -4,6 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "host/view/http/http.hpp"
+
 namespace httplib {
 struct Request;
 }
@@ -22,11 +24,14 @@ struct Refusal {
     std::string why;
 };
 
-/// Judges a request by its method and headers alone. `served` is the host that the server listens at. Requests that
-/// name another host, that come from a page of another origin, or whose body is long, compressed or of unknown length
-/// are refused. "0.0.0.0" and "::" may be named in any way. Requests without the token are refused if it is not empty.
-[[nodiscard]] std::optional<Refusal> refusal_of(const httplib::Request& request, const std::string& served,
-                                                const std::string& token = {});
+/// Takes a token away that is the first folder of the path, and gives it as the header Authorization. So a page finds
+/// its files by names that are relative, and needs no cookie, which browsers keep from frames of other sites.
+void take_token(httplib::Request& request, const std::string& token);
+
+/// Judges a request by its method and headers alone. Requests that name another host, that come from a page of another
+/// origin, or whose body is long, compressed or of unknown length are refused. "0.0.0.0" and "::" may be named in any
+/// way. Requests without the token are refused if it is not empty.
+[[nodiscard]] std::optional<Refusal> refusal_of(const httplib::Request& request, const HttpAccess& access);
 /// Bytes of the body of a request that is not refused.
 [[nodiscard]] std::size_t body_of(const httplib::Request& request);
 

@@ -43,7 +43,7 @@ httplib::Server::Handler handler_of(HttpHandler handler) {
 
 class Server final : public HttpServer {
 public:
-    Server(const std::string& host, const std::string& token) : host_(host), server_(host, token) {}
+    explicit Server(const HttpAccess& access) : host_(access.host), server_(access) {}
 
     void get(const std::string& path, HttpHandler handler) override {
         server_.Get(path, handler_of(std::move(handler)));
@@ -68,7 +68,7 @@ private:
 }  // namespace
 }  // namespace claray::view
 
-extern "C" [[gnu::visibility("default")]] claray::view::HttpServer* claray_http_server(const char* host,
-                                                                                       const char* token) {
-    return new claray::view::Server(host, token);
+extern "C" [[gnu::visibility("default")]] claray::view::HttpServer* claray_http_server(
+    const claray::view::HttpAccess& access) {
+    return new claray::view::Server(access);
 }

@@ -120,15 +120,14 @@ HttpAnswer made(Site& site, Made what, const char* type) {
     return bytes ? HttpAnswer{.type = type, .content = bytes} : text(503, "it takes too long; ask again");
 }
 
-void add_page(HttpServer& server, const std::string& token) {
+void add_page(HttpServer& server) {
     for (const PageFile& file : page_files()) {
         const std::string end = file.path.substr(file.path.rfind('.') + 1);
         const char* const type = end == "html"  ? "text/html"
                                  : end == "css" ? "text/css"
                                  : end == "svg" ? "image/svg+xml"
                                                 : "text/javascript";
-        HttpAnswer answer{.type = type, .content = std::make_shared<const std::string>(file.text)};
-        if (end == "html" && !token.empty()) answer.headers = {{"Set-Cookie", cookie_of(token)}};
+        const HttpAnswer answer{.type = type, .content = std::make_shared<const std::string>(file.text)};
         server.get(end == "html" ? "/" : "/" + file.path, [answer](const HttpRequest&) { return answer; });
     }
 }
@@ -153,8 +152,8 @@ void add_uploads(HttpServer& server, Site& site, const WebConfig& config) {
     });
 }
 
-void add_routes(HttpServer& server, Site& site, const WebConfig& config, const std::string& token) {
-    add_page(server, token);
+void add_routes(HttpServer& server, Site& site, const WebConfig& config) {
+    add_page(server);
     add_uploads(server, site, config);
     server.get("/frame", [&](const HttpRequest& request) { return frame(site, request); });
     server.get("/stream", [&](const HttpRequest&) { return stream(site.exchange); });
@@ -279,10 +278,10 @@ private:
 }  // namespace
 
 void serve(View& view, const WebConfig& config) {
-    const std::string token = is_this_computer(config.host) ? "" : new_token();
-    const std::unique_ptr<HttpServer> server = make_http_server(config.host, token);
+    const std::string token = is_this_computer(config.host) && !config.framed ? "" : new_token();
+    const std::unique_ptr<HttpServer> server = make_http_server({config.host, token, config.framed});
     Site site;
-    add_routes(*server, site, config, token);
+    add_routes(*server, site, config);
     const int port = server->bind(config.port);
     const std::string name = server->url_host();
     if (port < 0)
@@ -291,7 +290,7 @@ void serve(View& view, const WebConfig& config) {
     publish(site.exchange, view, view.frame(), {});
     const Listening listening(*server, site.exchange);
     if (config.ready)
-        config.ready("http://" + name + ":" + std::to_string(port) + "/" + (token.empty() ? "" : "?token=" + token));
+        config.ready("http://" + name + ":" + std::to_string(port) + "/" + (token.empty() ? "" : token + "/"));
     RenderLoop(view, site, config).run();
 }
 

@@ -13,6 +13,7 @@ struct WebConfig {
     /// Address to listen at. If other computers can reach it, every request must have a token, which `ready` receives.
     std::string host = "127.0.0.1";
     int port = 8080;                ///< 0: any that is free
+    bool framed = false;            ///< pages of other sites may show it in a frame; every request must have a token
     std::function<bool()> goes_on;  ///< asked between frames
     std::function<void(const std::string& url)> ready = {};
     /// Loads another scene, of a file that was dropped on the page. Empty: files are refused.
