@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Packs the add-on for Blender as an extension, with wheels of claray (./dev wheel python3.11 builds one for Blender 4.5 and 5.0):
+"""Packs the add-on for Blender as an extension, with wheels of claray for Linux (./dev wheel python3.11 builds one for Blender 4.5 and 5.0):
 
     python3 tools/blender/make.py [--out FOLDER] WHEEL...
 
@@ -12,6 +12,7 @@ import re
 import sys
 import zipfile
 
+PLATFORMS = {"x86_64": "linux-x64", "aarch64": "linux-arm64"}  # Blender's names
 ADDON = pathlib.Path(__file__).resolve().parent / "claray"
 
 
@@ -20,9 +21,12 @@ def main():
     parser.add_argument("wheels", nargs="+", type=pathlib.Path, metavar="WHEEL")
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("out"))
     given = parser.parse_args()
+    platforms = set()
     for wheel in given.wheels:
-        if not wheel.is_file() or not re.fullmatch(r"claray-[^/]*\.whl", wheel.name):
-            sys.exit(f"WHEEL: '{wheel}' is no wheel of claray; ./dev wheel builds one")
+        found = re.fullmatch(r"claray-[^/]*linux[^/]*?_(x86_64|aarch64)\.whl", wheel.name)
+        if not wheel.is_file() or not found:
+            sys.exit(f"WHEEL: '{wheel}' is no wheel of claray for Linux; ./dev wheel builds one")
+        platforms.add(f'"{PLATFORMS[found[1]]}"')
     manifest = (ADDON / "blender_manifest.toml").read_text()
     version = re.search(r'^version = "(.*)"$', manifest, re.MULTILINE)[1]
     listed = "".join(f'  "./wheels/{wheel.name}",\n' for wheel in given.wheels)
@@ -30,7 +34,7 @@ def main():
     given.out.mkdir(parents=True, exist_ok=True)
     packed = given.out / f"claray-{version}.zip"
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("blender_manifest.toml", f"{before}wheels = [\n{listed}]\n\n[permissions]{table}")
+        archive.writestr("blender_manifest.toml", f"{before}platforms = [{', '.join(sorted(platforms))}]\nwheels = [\n{listed}]\n\n[permissions]{table}")
         for file in sorted(ADDON.iterdir()):
             if file.suffix == ".py" or file.name == "LICENSE":
                 archive.write(file, file.name)
