@@ -32,6 +32,8 @@ from .errors import UsageError
 _ALL = slice(None)
 _ZERO = 2.0**-22
 """Weights up to this are 0: a few roundings of float32."""
+_MOST_DIRECTIONS = 1 << 16
+"""Each is a query of all points."""
 _MOST_ANGLES = 1 << 14
 """Solid angles that are computed at once, so that caches hold what they need."""
 
@@ -216,11 +218,11 @@ def mesh_query_point_sign_parity(mesh: Mesh, point: Any, max_dist: Any, n_sample
                                  perturbation_scale: float = 0.1) -> MeshQueryPoint:
     """As mesh_query_point, with signs by the parity of crossings, which are counted exactly.
 
-    n_sample: of so many rays, at least half must cross the mesh an odd number of times for a point to be inside.
+    n_sample: of so many rays (at most 65,536), at least half must cross the mesh an odd number of times for a point to be inside.
     perturbation_scale: how far the numbers of the rays' directions are from 1. The directions are those of Warp.
     """
-    if not isinstance(n_sample, (int, np.integer)) or n_sample < 1:
-        raise UsageError(f"n_sample: is {n_sample!r}; use a positive number of rays")
+    if not isinstance(n_sample, (int, np.integer)) or not 1 <= n_sample <= _MOST_DIRECTIONS:
+        raise UsageError(f"n_sample: is {n_sample!r}; use 1 to {_MOST_DIRECTIONS} rays")
     directions = _directions(int(n_sample), number("perturbation_scale", perturbation_scale))
 
     def inside(points: NDArray[Any], near: NDArray[Any]) -> NDArray[np.bool_]:

@@ -203,6 +203,7 @@ def test_boxes_spheres_and_lookups(box):
     ("max_t", lambda m: warp.mesh_query_ray(m, np.zeros((3, 3)), np.ones((3, 3)), [1, 2])),
     ("max_dist", lambda m: warp.mesh_query_point(m, np.zeros((3, 3)), np.nan)),
     ("n_sample", lambda m: warp.mesh_query_point_sign_parity(m, np.zeros((3, 3)), 1, 0)),
+    ("n_sample", lambda m: warp.mesh_query_point_sign_parity(m, np.zeros((3, 3)), 1, 10**12)),
     ("mesh", lambda m: warp.mesh_query_point(7, np.zeros((3, 3)), 1)),
     ("mesh", lambda m: warp.mesh_get_point("mesh", [0])),
     ("bary_v", lambda m: warp.mesh_eval_position(m, [0, 1], [0.5, 0.5], [0.5])),
