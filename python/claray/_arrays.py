@@ -199,6 +199,15 @@ def text(name: str, value: Any) -> str:
     return value
 
 
+def members(name: str, values: Any, of_what: str) -> list[Any]:
+    """The members of a list or another iterable, except text and arrays of numbers."""
+    kind: str = type(values).__name__
+    if isinstance(values, (str, bytes, bytearray, memoryview, np.ndarray)) or not isinstance(values, Iterable):
+        raise UsageError(f"{name}: is a {kind}; use a list of {of_what}")
+    several: list[Any] = list(values)  # pyright: ignore[reportUnknownArgumentType]  # checked by the callers
+    return several
+
+
 def names_of(name: str, value: Any) -> str:
     """One name or several, with commas between them."""
     several: Any = [value] if isinstance(value, str) else value

@@ -7,7 +7,7 @@ import operator
 from typing import Any, Iterable, Union
 
 from . import _native
-from ._arrays import naming, pointer
+from ._arrays import members, naming, pointer
 from ._handle import Handle
 from .errors import UsageError
 
@@ -116,9 +116,8 @@ class Event(Handle):
 
 
 def native_events(events: Iterable[Any]) -> list[Any]:
-    if not isinstance(events, Iterable):
-        raise UsageError(f"wait_for: is a {type(events).__name__}; use a list of events")
-    return [e._native if isinstance(e, Event) else _native.NativeEvent.adopt(pointer("wait_for", e)) for e in events]
+    return [e._native if isinstance(e, Event) else _native.NativeEvent.adopt(pointer("wait_for", e))
+            for e in members("wait_for", events, "events")]
 
 
 AnyDevice = Union[Device, str, int, None]

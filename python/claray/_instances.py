@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, Iterable, Sequence
+from typing import Any, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import builder_called, words
+from ._arrays import builder_called, members, words
 from ._bvh import Bvh
 from ._device import AnyDevice, Device, device_of
 from ._handle import Handle
@@ -18,8 +18,7 @@ from .errors import UsageError
 
 
 def _structures(bvhs: Any) -> list[Bvh]:
-    several: list[Any] = list(bvhs) if isinstance(bvhs, Iterable) else []  # pyright: ignore[reportUnknownArgumentType]  # checked below
-    structures = [bvhs] if isinstance(bvhs, Bvh) else several
+    structures = [bvhs] if isinstance(bvhs, Bvh) else members("bvhs", bvhs, "claray.Bvh")
     if not structures or not all(isinstance(bvh, Bvh) for bvh in structures):
         raise UsageError("bvhs: use a claray.Bvh, or a sequence of at least one")
     if any(bvh.origin is not None for bvh in structures):

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
-from ._arrays import did_you_mean, naming, number
+from ._arrays import did_you_mean, members, naming, number
 from ._handle import Handle
 from ._typing import dataclass_transform
 from ._values import TextureUse
@@ -369,11 +369,12 @@ class Records(MutableSequence[R]):
         self[:] = self[::-1]
 
     def assign(self, values: Iterable[R]) -> None:
-        if isinstance(values, (str, Record, np.ndarray)) or not isinstance(values, Iterable):
-            given = type(cast(object, values)).__name__
-            raise UsageError(f"{self._of._kind}s: is a {given}; use a list of claray.{self._of.__name__}")
-        with naming(f"{self._of._kind}s"):
-            self[:] = list(values)
+        name, of_what = f"{self._of._kind}s", f"claray.{self._of.__name__}"
+        if isinstance(values, Record):
+            raise UsageError(f"{name}: is a {type(values).__name__}; use a list of {of_what}")
+        given = members(name, values, of_what)
+        with naming(name):
+            self[:] = given
 
     def __repr__(self) -> str:
         return repr(list(self))

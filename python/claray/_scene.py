@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import (NO_WORDS, as_array, check_choice, finite, floats, indices, integer, names_of, naming, number, path_of, places,
-                      text, words)
+from ._arrays import (NO_WORDS, as_array, check_choice, finite, floats, indices, integer, members, names_of, naming, number, path_of,
+                      places, text, words)
 from ._handle import Handle, warn
 from ._primitives import curve_arrays, cylinder_rows, disc_rows, sphere_rows
 from ._records import Camera, Light, Material, Records, Vector3, native_of, set_all
@@ -190,9 +190,11 @@ class Scene(Handle):
         moved = rows[:0] if ends is None else rows_of("ends", ends)
         if ends is not None and len(moved) != len(rows):
             raise UsageError(f"ends: has {len(moved)} matrices, but there are {len(rows)} instances")
-        if len(names) not in (0, len(rows)):
-            raise UsageError(f"names: has {len(names)} texts, but there are {len(rows)} instances")
-        self._native.set_instances(np.ascontiguousarray(which), rows, moved, list(names))
+        texts = members("names", names, "texts")
+        if len(texts) not in (0, len(rows)):
+            raise UsageError(f"names: has {len(texts)} texts, but there are {len(rows)} instances")
+        with naming("names"):
+            self._native.set_instances(np.ascontiguousarray(which), rows, moved, texts)
 
     def _add_primitives(self, kind: str, points: NDArray[np.float32], segments: NDArray[np.uint32] | None, material: ArrayLike,
                         colors: ArrayLike | None, name: str) -> int:
@@ -275,10 +277,9 @@ class Scene(Handle):
 
     @textures.setter
     def textures(self, textures: Iterable[AnyTexture]) -> None:
-        if isinstance(textures, (str, np.ndarray)) or not isinstance(textures, Iterable):
-            raise UsageError(f"textures: is {textures!r}; use a list of textures")
+        given = members("textures", textures, "textures")
         with naming("textures"):
-            self._native.set_textures([texture_of("texture", one)._native() for one in textures])
+            self._native.set_textures([texture_of("texture", one)._native() for one in given])
 
     def _native_textures(self) -> list[Any]:
         return [self._native.texture_at(i) for i in range(self._native.texture_count())]

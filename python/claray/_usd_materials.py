@@ -1,6 +1,7 @@
 """Materials of USD (UsdPreviewSurface) as those of glTF."""
 
-# pyright: basic
+# pyright: basic, reportAttributeAccessIssue=false
+# pxr states no types.
 from __future__ import annotations
 
 import os

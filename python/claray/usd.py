@@ -6,7 +6,8 @@ docs/formats.md says what is read. `python -m claray.usd FILE OUT.glb` writes a 
 `claray` reads USD so.
 """
 
-# pyright: basic
+# pyright: basic, reportAttributeAccessIssue=false
+# pxr states no types.
 from __future__ import annotations
 
 import json
@@ -20,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
+from ._arrays import number, path_of
 from ._glb import Glb
 from ._handle import warn
 from ._records import set_all
@@ -48,9 +50,10 @@ def load(path: str | os.PathLike[str], **choices: Unpack[LoadOptions]) -> Scene:
     """
     time = choices.pop("time", None)
     for name in ("animation", "variant", "scene"):
-        if choices.get(name):
+        choice = choices.get(name)
+        if choice is not None and not (isinstance(choice, str) and choice == ""):
             raise UsageError(f"{name}: USD has none; leave this option out")
-    name = os.fspath(path)
+    name = path_of("path", path)
     options = set_all(_native.NativeLoadOptions(), "load", {**choices})
     with tempfile.TemporaryDirectory() as folder:
         made = os.path.join(folder, "scene.glb")
@@ -79,11 +82,12 @@ def convert(path: str | os.PathLike[str], glb: str | os.PathLike[str], time: flo
     """Writes a scene of USD as a binary glTF, and returns what glTF lacks: "environment" (image: a claray.Texture, strength, rotation),
     "sky" (radiance, or None) and "suns" (direction, irradiance, angle); also "lights", the number of those in the file, and "warnings".
     time: as of load."""
-    name = os.fspath(path)
+    name, written = path_of("path", path), path_of("glb", glb)
+    moment = None if time is None else number("time", time)
     if not os.path.exists(name):
         raise InputError(f"'{name}' does not exist; check the name")
     try:
-        converter = _converter_of(name, time)
+        converter = _converter_of(name, moment)
         converter.run()
     except Error:
         raise
@@ -91,13 +95,13 @@ def convert(path: str | os.PathLike[str], glb: str | os.PathLike[str], time: flo
         raise InputError(f"'{name}' is no valid USD: {_first_line(error)}; export it again") from None
     except _OF_DAMAGED_FILES as error:
         raise InputError(f"'{name}' is damaged: {type(error).__name__}: {_first_line(error)}; export it again") from error
-    with open(glb, "wb") as file:
+    with open(written, "wb") as file:
         file.write(converter.glb.bytes())
     return converter.extra
 
 
 # What the library, NumPy and the conversion raise for values that no exporter writes, such as names that are no UTF-8.
-_OF_DAMAGED_FILES = (ArithmeticError, LookupError, MemoryError, RuntimeError, TypeError, ValueError)
+_OF_DAMAGED_FILES = (ArithmeticError, AttributeError, LookupError, MemoryError, RuntimeError, TypeError, ValueError)
 
 
 def _converter_of(name: str, time: float | None) -> _Converter:

@@ -21,7 +21,7 @@ from typing import Any, Callable, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ._arrays import MISS, Shape, as_array, distances, flag, indices, number, places, vectors
+from ._arrays import MISS, Shape, as_array, distances, flag, indices, integer, number, places, vectors
 from ._bvh import Bvh
 from ._device import AnyDevice, Device, device_of
 from ._lists import Lists, all_hits, box_overlaps, count_hits, sphere_overlaps
@@ -221,9 +221,7 @@ def mesh_query_point_sign_parity(mesh: Mesh, point: Any, max_dist: Any, n_sample
     n_sample: of so many rays (at most 65,536), at least half must cross the mesh an odd number of times for a point to be inside.
     perturbation_scale: how far the numbers of the rays' directions are from 1. The directions are those of Warp.
     """
-    if not isinstance(n_sample, (int, np.integer)) or not 1 <= n_sample <= _MOST_DIRECTIONS:
-        raise UsageError(f"n_sample: is {n_sample!r}; use 1 to {_MOST_DIRECTIONS} rays")
-    directions = _directions(int(n_sample), number("perturbation_scale", perturbation_scale))
+    directions = _directions(integer("n_sample", n_sample, 1, _MOST_DIRECTIONS), number("perturbation_scale", perturbation_scale))
 
     def inside(points: NDArray[Any], near: NDArray[Any]) -> NDArray[np.bool_]:
         odd = np.zeros(len(points), np.int64)

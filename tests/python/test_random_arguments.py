@@ -293,7 +293,7 @@ def run(count, seed, note):
             wrong = complaint(names, error, given)
             if wrong:
                 key = f"{text}: {wrong}: {type(error).__name__}"
-                failures.setdefault(key, f"{shown(given)[:300]} -> {str(error)[:300]}")
+                failures.setdefault(key, f"{shown(given)[:1500]} -> {str(error)[:300]}")
     return failures, told
 
 

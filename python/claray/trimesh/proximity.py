@@ -75,6 +75,8 @@ def max_tangent_sphere(mesh: Trimesh, points: ArrayLike, inwards: bool = True, n
     """
     view, inside = _View(mesh), flag("inwards", inwards)
     places, towards = view.with_normals(points, normals)
+    if not len(places):
+        return np.zeros((0, 3)), np.zeros(0)
     centers, radii = library.proximity.max_tangent_sphere(view, places, inside, towards, number("threshold", threshold),
                                                           integer("max_iter", max_iter, 0, 2**31 - 1))
     return centers, radii
@@ -90,6 +92,8 @@ def thickness(mesh: Trimesh, points: ArrayLike, exterior: bool = False, normals:
     check_choice("method", method, ("max_sphere", "ray"))
     view, outside = _View(mesh), flag("exterior", exterior)
     places, towards = view.with_normals(points, normals)
+    if not len(places):
+        return np.zeros(0)
     diameters: NDArray[np.float64] = library.proximity.thickness(view, places, outside, towards, method)
     return diameters
 
