@@ -13,10 +13,11 @@ namespace {
 constexpr double hardly_any = 0.05;
 
 /// Whoever puts lights into a file chose what they reach. Lamps alone are no such choice: most viewers show what
-/// shines, and light the scene by something else. A scene that mostly shines may do so because it is a picture, unless
-/// other surfaces stay dark in it.
+/// shines, and light the scene by something else. An image around the scene is one. A scene that mostly shines may do
+/// so because it is a picture, unless other surfaces stay dark in it.
 bool is_lit(const Scene& scene, const LightProbe& probe) {
     constexpr double a_part = 0.1, half = 0.5, all_but_some = 0.9;
+    if (!scene.environment.images.empty()) return true;
     const double enough = scene.lights.empty() ? half : a_part;
     if (probe.plain > 0 && probe.plain_lit < enough) return false;
     return probe.lit >= enough || probe.visible >= all_but_some;
@@ -75,6 +76,12 @@ void light(Scene& scene, const Camera& camera, bool inside, const LightProbe& pr
     add(scene, chosen.added);
 }
 
+/// In tenths of stops. Twice the average light still leaves white surfaces some room below the white of the picture.
+float exposure_for(double white) {
+    constexpr double medium = 0.5;  // which the filmic curve shows as 205 of 255
+    return white > 0 ? float(std::round(10 * std::log2(medium / white)) / 10) : 0.f;
+}
+
 /// Outside of a room there is nothing to see, or its walls.
 bool shows_outside(const LightProbe& probe) {
     constexpr double mostly = 0.6;
@@ -103,6 +110,8 @@ Chosen make_visible(Scene& scene, const Camera& camera, float aspect, const MayC
         probe = probe_light(probed, *inside, aspect);
     }
     if (may.light) light(scene, inside.value_or(camera), inside.has_value(), probe, chosen);
+    if (chosen.added.any())
+        chosen.added.exposure = exposure_for(log_average_of_white(probed, scene, inside.value_or(camera), aspect));
     return chosen;
 }
 

@@ -56,6 +56,9 @@ struct TextureSettings {
     }
 };
 
+/// Bytes that all textures of a scene may take.
+inline constexpr std::size_t room_for_textures = std::size_t(1) << 30;
+
 /// Fills Scene::textures: each image once for each use that reads it differently, and all together within the limit.
 class SceneTextures {
 public:
@@ -78,7 +81,7 @@ private:
     void keep(Texture texture, const TextureSettings& settings);
 
     Scene& scene_;
-    std::size_t room_ = std::size_t(1) << 30;
+    std::size_t room_ = room_for_textures;
     std::map<std::pair<std::string, TextureSettings>, std::optional<std::uint32_t>> known_;
 };
 

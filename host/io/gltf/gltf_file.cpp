@@ -23,6 +23,7 @@ using std::to_string;
 
 constexpr std::string_view known_extensions[] = {
     "CLARAY_attenuation",
+    "EXT_lights_image_based",
     "EXT_mesh_gpu_instancing",
     "KHR_animation_pointer",
     "KHR_lights_punctual",

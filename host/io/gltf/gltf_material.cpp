@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/io/gltf/decode/data_uri.hpp"
-#include "host/io/image/image_file.hpp"
+#include "host/io/gltf/gltf_value.hpp"
 
 namespace claray {
 namespace {
@@ -13,36 +12,6 @@ using std::to_string;
 
 /// Of a dielectric with an index of refraction of 1.5, at normal incidence.
 constexpr float reflectance_at_1_5 = 0.04f;
-
-/// A number of an extension; `fallback` where it is not given.
-float number(const tinygltf::Value& object, const char* key, float fallback) {
-    if (!object.IsObject() || !object.Has(key)) return fallback;
-    const tinygltf::Value& value = object.Get(key);
-    return value.IsNumber() ? float(value.GetNumberAsDouble()) : fallback;
-}
-
-/// An index of an extension; -1 where it is none.
-int index_in(const tinygltf::Value& object, const char* key, int fallback) {
-    const float value = number(object, key, float(fallback));
-    return value >= 0.f && value < 1e6f ? int(value) : -1;
-}
-
-/// Up to N numbers of an array.
-template <int N>
-glm::vec<N, float> numbers(const tinygltf::Value& object, const char* key, glm::vec<N, float> fallback) {
-    if (!object.IsObject() || !object.Has(key) || !object.Get(key).IsArray()) return fallback;
-    const tinygltf::Value& array = object.Get(key);
-    for (int k = 0; k < N && std::size_t(k) < array.ArrayLen(); ++k)
-        if (array.Get(std::size_t(k)).IsNumber()) fallback[k] = float(array.Get(std::size_t(k)).GetNumberAsDouble());
-    return fallback;
-}
-
-/// An extension of an object; an empty value where it has none.
-const tinygltf::Value& extension(const tinygltf::ExtensionMap& extensions, const char* name) {
-    static const tinygltf::Value none;
-    const auto found = extensions.find(name);
-    return found == extensions.end() ? none : found->second;
-}
 
 glm::vec3 color(const std::vector<double>& values, const glm::vec3& fallback) {
     return values.size() < 3 ? fallback : glm::vec3(float(values[0]), float(values[1]), float(values[2]));
@@ -165,21 +134,21 @@ Material GltfMaterials::make(const tinygltf::Material& source, const std::string
 
 void GltfMaterials::add_extensions(Material& material, const tinygltf::Material& source, const std::string& name) {
     const auto& all = source.extensions;
-    material.emission *= number(extension(all, "KHR_materials_emissive_strength"), "emissiveStrength", 1.f);
+    material.emission *= gltf_number(gltf_extension(all, "KHR_materials_emissive_strength"), "emissiveStrength", 1.f);
 
-    material.ior = number(extension(all, "KHR_materials_ior"), "ior", 1.5f);
+    material.ior = gltf_number(gltf_extension(all, "KHR_materials_ior"), "ior", 1.5f);
     // The extension's way to leave the reflectance at normal incidence to KHR_materials_specular alone.
     const bool reflects_all = material.ior == 0.f;
     if (reflects_all) material.ior = 1.5f;
 
     add_transmission(material, all, name);
-    add_clearcoat(material, extension(all, "KHR_materials_clearcoat"), name);
-    add_specular(material, extension(all, "KHR_materials_specular"), name);
+    add_clearcoat(material, gltf_extension(all, "KHR_materials_clearcoat"), name);
+    add_specular(material, gltf_extension(all, "KHR_materials_specular"), name);
     if (reflects_all) material.specular_tint /= reflectance_at_1_5;
-    add_sheen(material, extension(all, "KHR_materials_sheen"), name);
-    add_anisotropy(material, extension(all, "KHR_materials_anisotropy"), name);
-    add_iridescence(material, extension(all, "KHR_materials_iridescence"), name);
-    add_glossiness(material, extension(all, "KHR_materials_pbrSpecularGlossiness"), name);
+    add_sheen(material, gltf_extension(all, "KHR_materials_sheen"), name);
+    add_anisotropy(material, gltf_extension(all, "KHR_materials_anisotropy"), name);
+    add_iridescence(material, gltf_extension(all, "KHR_materials_iridescence"), name);
+    add_glossiness(material, gltf_extension(all, "KHR_materials_pbrSpecularGlossiness"), name);
     if (reflects_all && material.transmission > 0.f)
         warnings_.push_back(name + " transmits light and has an index of refraction of 0: refraction uses 1.5");
     if (all.contains("KHR_materials_unlit")) make_unlit(material);
@@ -188,32 +157,32 @@ void GltfMaterials::add_extensions(Material& material, const tinygltf::Material&
 }
 
 void GltfMaterials::add_transmission(Material& material, const tinygltf::ExtensionMap& all, const std::string& name) {
-    const tinygltf::Value& transmission = extension(all, "KHR_materials_transmission");
-    material.transmission = number(transmission, "transmissionFactor", 0.f);
+    const tinygltf::Value& transmission = gltf_extension(all, "KHR_materials_transmission");
+    material.transmission = gltf_number(transmission, "transmissionFactor", 0.f);
     if (material.transmission != 0.f) material.transmission_map = use(transmission, "transmissionTexture", name);
 
-    const tinygltf::Value& volume = extension(all, "KHR_materials_volume");
-    material.attenuation = numbers<3>(volume, "attenuationColor", glm::vec3(1.f));
-    material.attenuation_distance = number(volume, "attenuationDistance", 0.f);
+    const tinygltf::Value& volume = gltf_extension(all, "KHR_materials_volume");
+    material.attenuation = gltf_numbers<3>(volume, "attenuationColor", glm::vec3(1.f));
+    material.attenuation_distance = gltf_number(volume, "attenuationDistance", 0.f);
     if (material.transmission == 0.f) return;
-    material.thin_walled = number(volume, "thicknessFactor", 0.f) == 0.f;
+    material.thin_walled = gltf_number(volume, "thicknessFactor", 0.f) == 0.f;
     if (!material.thin_walled) material.cull_back = false;  // what enters a solid leaves by a back
 }
 
 void GltfMaterials::add_clearcoat(Material& material, const tinygltf::Value& clearcoat, const std::string& name) {
-    material.clearcoat = number(clearcoat, "clearcoatFactor", 0.f);
-    material.clearcoat_roughness = number(clearcoat, "clearcoatRoughnessFactor", 0.f);
+    material.clearcoat = gltf_number(clearcoat, "clearcoatFactor", 0.f);
+    material.clearcoat_roughness = gltf_number(clearcoat, "clearcoatRoughnessFactor", 0.f);
     if (material.clearcoat == 0.f) return;
     material.clearcoat_map = use(clearcoat, "clearcoatTexture", name);
     material.clearcoat_roughness_map = use(clearcoat, "clearcoatRoughnessTexture", name);
     material.clearcoat_normal_map = use(clearcoat, "clearcoatNormalTexture", name);
     if (material.clearcoat_normal_map.used())
-        material.clearcoat_normal_scale = number(clearcoat.Get("clearcoatNormalTexture"), "scale", 1.f);
+        material.clearcoat_normal_scale = gltf_number(clearcoat.Get("clearcoatNormalTexture"), "scale", 1.f);
 }
 
 void GltfMaterials::add_specular(Material& material, const tinygltf::Value& specular, const std::string& name) {
-    material.specular_weight = number(specular, "specularFactor", 1.f);
-    material.specular_tint = numbers<3>(specular, "specularColorFactor", glm::vec3(1.f));
+    material.specular_weight = gltf_number(specular, "specularFactor", 1.f);
+    material.specular_tint = gltf_numbers<3>(specular, "specularColorFactor", glm::vec3(1.f));
     if (material.specular_weight == 0.f) return;
     material.specular_weight_map = use(specular, "specularTexture", name);
     if (material.specular_tint != glm::vec3(0.f))
@@ -221,24 +190,24 @@ void GltfMaterials::add_specular(Material& material, const tinygltf::Value& spec
 }
 
 void GltfMaterials::add_sheen(Material& material, const tinygltf::Value& sheen, const std::string& name) {
-    material.sheen = numbers<3>(sheen, "sheenColorFactor", glm::vec3(0.f));
-    material.sheen_roughness = number(sheen, "sheenRoughnessFactor", 0.f);
+    material.sheen = gltf_numbers<3>(sheen, "sheenColorFactor", glm::vec3(0.f));
+    material.sheen_roughness = gltf_number(sheen, "sheenRoughnessFactor", 0.f);
     if (material.sheen == glm::vec3(0.f)) return;
     material.sheen_map = use(sheen, "sheenColorTexture", name, TexelFormat::srgb8);
     material.sheen_roughness_map = use(sheen, "sheenRoughnessTexture", name);
 }
 
 void GltfMaterials::add_anisotropy(Material& material, const tinygltf::Value& anisotropy, const std::string& name) {
-    material.anisotropy = number(anisotropy, "anisotropyStrength", 0.f);
-    material.anisotropy_rotation = number(anisotropy, "anisotropyRotation", 0.f);
+    material.anisotropy = gltf_number(anisotropy, "anisotropyStrength", 0.f);
+    material.anisotropy_rotation = gltf_number(anisotropy, "anisotropyRotation", 0.f);
     if (material.anisotropy != 0.f) material.anisotropy_map = use(anisotropy, "anisotropyTexture", name);
 }
 
 void GltfMaterials::add_iridescence(Material& material, const tinygltf::Value& iridescence, const std::string& name) {
-    material.iridescence = number(iridescence, "iridescenceFactor", 0.f);
-    material.iridescence_ior = number(iridescence, "iridescenceIor", 1.3f);
-    material.film_thickness = {number(iridescence, "iridescenceThicknessMinimum", 100.f),
-                               number(iridescence, "iridescenceThicknessMaximum", 400.f)};
+    material.iridescence = gltf_number(iridescence, "iridescenceFactor", 0.f);
+    material.iridescence_ior = gltf_number(iridescence, "iridescenceIor", 1.3f);
+    material.film_thickness = {gltf_number(iridescence, "iridescenceThicknessMinimum", 100.f),
+                               gltf_number(iridescence, "iridescenceThicknessMaximum", 400.f)};
     if (material.iridescence == 0.f) return;
     material.iridescence_map = use(iridescence, "iridescenceTexture", name);
     material.film_thickness_map = use(iridescence, "iridescenceThicknessTexture", name);
@@ -248,14 +217,14 @@ void GltfMaterials::add_iridescence(Material& material, const tinygltf::Value& i
 // does not reflect enters the diffuse base.
 void GltfMaterials::add_glossiness(Material& material, const tinygltf::Value& glossiness, const std::string& name) {
     if (!glossiness.IsObject()) return;
-    const glm::vec4 diffuse = numbers<4>(glossiness, "diffuseFactor", glm::vec4(1.f));
-    const float gloss = number(glossiness, "glossinessFactor", 1.f);
+    const glm::vec4 diffuse = gltf_numbers<4>(glossiness, "diffuseFactor", glm::vec4(1.f));
+    const float gloss = gltf_number(glossiness, "glossinessFactor", 1.f);
     material.albedo = glm::vec3(diffuse), material.opacity = diffuse.w;
     material.metallic = 0.f, material.ior = 1.5f;
     material.albedo_map = use(glossiness, "diffuseTexture", name, TexelFormat::srgb8);
     if (glossiness.Has("diffuseTexture")) show_missing(material);
     material.specular_weight = 1.f;
-    material.specular_tint = numbers<3>(glossiness, "specularFactor", glm::vec3(1.f)) / reflectance_at_1_5;
+    material.specular_tint = gltf_numbers<3>(glossiness, "specularFactor", glm::vec3(1.f)) / reflectance_at_1_5;
     material.specular_map = use(glossiness, "specularGlossinessTexture", name, TexelFormat::srgb8);
     const Change to_roughness{" roughness of glossiness " + to_string(gloss),
                               [gloss](Texture image) { return roughness_of_glossiness(std::move(image), gloss); }};
@@ -268,11 +237,11 @@ TextureUse GltfMaterials::use(int index, int uv_set, const tinygltf::ExtensionMa
                               const std::string& user, const Change& change) {
     TextureUse result;
     if (index < 0) return result;
-    const tinygltf::Value& transform = extension(extensions, "KHR_texture_transform");
-    result.offset = numbers<2>(transform, "offset", glm::vec2(0.f));
-    result.scale = numbers<2>(transform, "scale", glm::vec2(1.f));
-    result.rotation = number(transform, "rotation", 0.f);
-    const int set = index_in(transform, "texCoord", uv_set);
+    const tinygltf::Value& transform = gltf_extension(extensions, "KHR_texture_transform");
+    result.offset = gltf_numbers<2>(transform, "offset", glm::vec2(0.f));
+    result.scale = gltf_numbers<2>(transform, "scale", glm::vec2(1.f));
+    result.rotation = gltf_number(transform, "rotation", 0.f);
+    const int set = gltf_index(transform, "texCoord", uv_set);
     if (set < 0) file_.fail(user + ": a texture has coordinates of no number");
     const std::optional<std::uint32_t> image = texture(index, format, user, change);
     if (!image) return {};
@@ -294,15 +263,16 @@ TextureUse GltfMaterials::use(const tinygltf::Value& object, const char* key, co
     tinygltf::ExtensionMap extensions;
     if (info.IsObject() && info.Has("extensions") && info.Get("extensions").IsObject())
         extensions = info.Get("extensions").Get<tinygltf::Value::Object>();
-    return use(index_in(info, "index", -1), index_in(info, "texCoord", 0), extensions, format, user, change);
+    return use(gltf_index(info, "index", -1), gltf_index(info, "texCoord", 0), extensions, format, user, change);
 }
 
 /// The image of a texture: by an extension that claray reads, else the plain one; -1 if there is none at all.
 int GltfMaterials::source_of(const tinygltf::Texture& texture, const std::string& name) const {
-    const int webp = CLARAY_WITH_WEBP ? index_in(extension(texture.extensions, "EXT_texture_webp"), "source", -1) : -1;
+    const int webp =
+        CLARAY_WITH_WEBP ? gltf_index(gltf_extension(texture.extensions, "EXT_texture_webp"), "source", -1) : -1;
     if (webp >= 0) return webp;
     if (texture.source >= 0) return texture.source;
-    const int basis = index_in(extension(texture.extensions, "KHR_texture_basisu"), "source", -1);
+    const int basis = gltf_index(gltf_extension(texture.extensions, "KHR_texture_basisu"), "source", -1);
     if (basis >= 0) return basis;
     if (texture.extensions.empty()) return -1;
     file_.fail(name + " only has an image of the extension '" + texture.extensions.begin()->first +
@@ -323,8 +293,7 @@ std::optional<std::uint32_t> GltfMaterials::texture(int index, TexelFormat forma
                             " has no image, and what it would colour is grey");
         return {};
     }
-    if (std::size_t(source) >= model.images.size())
-        file_.fail(name + " refers to image " + to_string(source) + " of " + to_string(model.images.size()));
+    images_.check(source, name);
     TextureSettings settings;
     settings.eight_bit = format;
     if (texture.sampler >= 0) {
@@ -337,40 +306,9 @@ std::optional<std::uint32_t> GltfMaterials::texture(int index, TexelFormat forma
         settings.filter = filter_of(sampler);
     }
     return textures_.add(to_string(source) + change.name, settings, [&](TexelFormat eight_bit, std::size_t room) {
-        std::optional<Texture> image = decode(source, eight_bit, room);
+        std::optional<Texture> image = images_.decode(source, eight_bit, room);
         return image && change.apply ? change.apply(*std::move(image)) : image;
     });
-}
-
-/// Encoded; nothing where it is missing, with a warning.
-std::optional<ImageFile> GltfMaterials::read(const tinygltf::Image& image, const std::string& name) {
-    ImageFile file{name + " of '" + file_.path.string() + "'", {}};
-    if (image.bufferView >= 0) {
-        file.bytes = file_.view(image.bufferView, name);
-        return file;
-    }
-    if (!is_data_uri(image.uri))
-        return read_image_of_scene(file_.path, file_.path.parent_path(), percent_decoded(image.uri), warnings_);
-    std::optional<std::string> bytes = decode_data_uri(image.uri);
-    if (!bytes) file_.fail(name + ": the base64 of its data URI is damaged");
-    file.bytes = *std::move(bytes);
-    return file;
-}
-
-std::optional<Texture> GltfMaterials::decode(int index, TexelFormat eight_bit, std::size_t room) {
-    const tinygltf::Image& image = file_.model.images[std::size_t(index)];
-    Texture texture;
-    if (!images_) {
-        texture.width = texture.height = 1, texture.channels = 4, texture.format = eight_bit;
-        texture.bytes.assign(4, 255);
-    } else {
-        const std::optional<ImageFile> file = read(image, gltf_name("image", image.name, std::size_t(index)));
-        if (!file) return {};
-        texture = decode_texture(file->bytes, file->name, eight_bit, room);
-    }
-    const bool has_name = !image.name.empty(), has_file = image.bufferView < 0 && !is_data_uri(image.uri);
-    texture.name = has_name ? image.name : has_file ? image.uri : "image " + to_string(index);
-    return texture;
 }
 
 }  // namespace claray

@@ -3,6 +3,7 @@
 
 #include <functional>
 
+#include "host/io/gltf/gltf_images.hpp"
 #include "host/io/gltf/gltf_mesh.hpp"
 #include "host/io/scene_textures.hpp"
 
@@ -11,8 +12,7 @@ namespace claray {
 /// Makes the materials that are asked for, and loads the images that these use.
 class GltfMaterials {
 public:
-    /// `images`: as LoadOptions.
-    GltfMaterials(const GltfFile& file, Scene& scene, Warnings& warnings, bool images)
+    GltfMaterials(const GltfFile& file, Scene& scene, Warnings& warnings, const GltfImages& images)
         : file_(file),
           scene_(scene),
           warnings_(warnings),
@@ -52,14 +52,12 @@ private:
     [[nodiscard]] int source_of(const tinygltf::Texture& texture, const std::string& name) const;
     [[nodiscard]] std::optional<std::uint32_t> texture(int index, TexelFormat format, const std::string& user,
                                                        const Change& change);
-    [[nodiscard]] std::optional<ImageFile> read(const tinygltf::Image& image, const std::string& name);
-    [[nodiscard]] std::optional<Texture> decode(int image, TexelFormat eight_bit, std::size_t room);
 
     const GltfFile& file_;
     Scene& scene_;
     Warnings& warnings_;
     SceneTextures textures_;
-    bool images_;
+    const GltfImages& images_;
     std::vector<std::uint32_t> known_;  ///< by index in the file; the last is the default's
     GltfUvSets used_sets_{};            ///< of the material that is made
     std::vector<GltfUvSets> uv_sets_;   ///< by index in the scene

@@ -1,6 +1,7 @@
 #include "host/io/gltf/gltf_nodes.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/gtc/quaternion.hpp>
 
 #include "host/io/gltf/gltf_choice.hpp"
@@ -57,18 +58,6 @@ std::vector<int> parentless(const GltfFile& file) {
     return roots;
 }
 
-std::vector<int> roots_of(const GltfFile& file, const std::string& choice) {
-    const tinygltf::Model& model = file.model;
-    if (!choice.empty()) return model.scenes[choose(file, "scene", choice, names_of(model.scenes))].nodes;
-    if (!model.scenes.empty()) {
-        const int scene = std::max(model.defaultScene, 0);
-        if (std::size_t(scene) >= model.scenes.size())
-            file.fail("it refers to scene " + to_string(scene) + " of " + to_string(model.scenes.size()));
-        return model.scenes[std::size_t(scene)].nodes;
-    }
-    return parentless(file);
-}
-
 /// All nodes at and below the roots. Without recursion, for chains may be long.
 std::vector<PlacedNode> place_below(const std::vector<int>& roots, const GltfFile& file) {
     struct Pending {
@@ -109,8 +98,26 @@ glm::dmat4 transform_of(const glm::dvec3& translation, const glm::dvec4& rotatio
     return transform;
 }
 
-std::vector<PlacedNode> place_nodes(const GltfFile& file, const std::string& scene) {
-    return place_below(roots_of(file, scene), file);
+const tinygltf::Scene* chosen_scene(const GltfFile& file, const std::string& choice) {
+    const std::vector<tinygltf::Scene>& scenes = file.model.scenes;
+    if (!choice.empty()) return &scenes[choose(file, "scene", choice, names_of(scenes))];
+    if (scenes.empty()) return nullptr;
+    const int scene = std::max(file.model.defaultScene, 0);
+    if (std::size_t(scene) >= scenes.size())
+        file.fail("it refers to scene " + to_string(scene) + " of " + to_string(scenes.size()));
+    return &scenes[std::size_t(scene)];
+}
+
+std::vector<PlacedNode> place_nodes(const GltfFile& file, const tinygltf::Scene* scene) {
+    return place_below(scene ? scene->nodes : parentless(file), file);
+}
+
+glm::vec3 axis_of(const PlacedNode& node, int axis, const GltfFile& file) {
+    const glm::dvec3 direction(node.world[axis]);
+    const double length = glm::length(direction);
+    if (!(length > 0.0) || !std::isfinite(length))
+        file.fail(node.name + ": its transform scales its direction to 0 or infinity; use scales other than 0");
+    return glm::vec3(direction / length);
 }
 
 NodeTransforms all_transforms(const GltfFile& file) {

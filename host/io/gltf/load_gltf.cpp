@@ -10,6 +10,7 @@
 #include "host/io/gltf/gltf_animation.hpp"
 #include "host/io/gltf/gltf_choice.hpp"
 #include "host/io/gltf/gltf_instancing.hpp"
+#include "host/io/gltf/gltf_lights.hpp"
 #include "host/io/gltf/gltf_material.hpp"
 #include "host/io/gltf/gltf_mesh.hpp"
 #include "host/io/scene_readers.hpp"
@@ -40,16 +41,6 @@ bool suits_instances(const glm::dmat4& m) {
     };
     const glm::dmat3 linear(m);
     return size(linear) * size(glm::inverse(linear)) < largest_condition;  // false where there is no inverse
-}
-
-/// Where a node stands and looks: along -z, with +y up (section 3.10.2).
-glm::vec3 position_of(const PlacedNode& node) { return glm::vec3(node.world[3]); }
-glm::vec3 axis_of(const PlacedNode& node, int axis, const GltfFile& file) {
-    const glm::dvec3 direction(node.world[axis]);
-    const double length = glm::length(direction);
-    if (!(length > 0.0) || !std::isfinite(length))
-        file.fail(node.name + ": its transform scales its direction to 0 or infinity; use scales other than 0");
-    return glm::vec3(direction / length);
 }
 
 /// What the camera shows of what lies before it. The image's own aspect counts, not the file's.
@@ -97,14 +88,17 @@ public:
           options_(options),
           scene_(scene),
           warnings_(warnings),
-          materials_(file, scene, warnings, options.images) {}
+          images_(file, warnings, options.images),
+          materials_(file, scene, warnings, images_) {}
 
     void load() {
         choose_variant();
-        const std::vector<PlacedNode> nodes = place_nodes(file_, options_.scene);
+        const tinygltf::Scene* scene = chosen_scene(file_, options_.scene);
+        const std::vector<PlacedNode> nodes = place_nodes(file_, scene);
         add_camera(nodes);
         for (const PlacedNode& node : nodes)
-            if (node.visible) add_light(node);
+            if (node.visible) add_lights(file_, node, scene_);
+        if (scene) add_environment(file_, *scene, images_, scene_, warnings_);
         const std::vector<PlacedShape> shapes = place_shapes(nodes);
         add_meshes(shapes);
         if (options_.live) name_objects(shapes), aim_camera();
@@ -117,7 +111,6 @@ private:
     [[nodiscard]] const PlacedNode& chosen_camera(const std::vector<const PlacedNode*>& nodes) const;
     [[nodiscard]] const tinygltf::Camera& camera_of(const PlacedNode& node) const;
     [[nodiscard]] std::vector<std::string> names_of_cameras(const std::vector<const PlacedNode*>& nodes) const;
-    void add_light(const PlacedNode& node);
     [[nodiscard]] Shape shape_of(const PlacedNode& node);
     [[nodiscard]] std::vector<glm::dmat4> places_of(const PlacedNode& node, const Shape& shape) const;
     [[nodiscard]] std::vector<PlacedShape> place_shapes(const std::vector<PlacedNode>& nodes);
@@ -136,6 +129,7 @@ private:
     const LoadOptions& options_;
     Scene& scene_;
     Warnings& warnings_;
+    GltfImages images_;
     GltfMaterials materials_;
     std::optional<std::size_t> variant_;
     std::map<Shape, ShapeUse> shapes_;
@@ -218,51 +212,6 @@ void Loader::add_camera(const std::vector<PlacedNode>& nodes) {
     if (cameras.size() > 1 && options_.camera.empty())
         warnings_.push_back("the first of the cameras " + listed(names_of_cameras(cameras)) +
                             " is used: choose another with --file-camera");
-}
-
-/// CLARAY_attenuation: `constants` a0, a1, a2 of 1 / (a0 + a1 d + a2 d^2) instead of the inverse square.
-glm::vec3 attenuation_of(const tinygltf::Light& light, const std::string& name, const GltfFile& file) {
-    const auto found = light.extensions.find("CLARAY_attenuation");
-    glm::vec3 constants{0.f, 0.f, 1.f};
-    if (found == light.extensions.end()) return constants;
-    const tinygltf::Value& values = found->second.Get("constants");
-    for (int k = 0; k < 3; ++k) {
-        const tinygltf::Value& value = values.Get(std::size_t(k));
-        if (!value.IsNumber()) file.fail(name + " needs three constants of attenuation");
-        constants[k] = float(value.GetNumberAsDouble());
-    }
-    return constants;
-}
-
-/// KHR_lights_punctual. Its candela and lux are taken as W / sr and W / m^2, as emissive factors are as radiance.
-void Loader::add_light(const PlacedNode& node) {
-    const auto found = node.node->extensions.find("KHR_lights_punctual");
-    if (found == node.node->extensions.end() || !found->second.Has("light")) return;
-    const int index = found->second.Get("light").IsNumber() ? found->second.Get("light").GetNumberAsInt() : -1;
-    const std::vector<tinygltf::Light>& lights = file_.model.lights;
-    if (index < 0 || std::size_t(index) >= lights.size())
-        file_.fail(node.name + " refers to light " + to_string(index) + " of " + to_string(lights.size()));
-    const tinygltf::Light& source = lights[std::size_t(index)];
-    const std::string name = gltf_name("light", source.name, std::size_t(index));
-    Light light;
-    light.name = source.name;
-    if (source.type == "directional")
-        light.kind = LightKind::directional;
-    else if (source.type == "spot")
-        light.kind = LightKind::spot;
-    else if (source.type != "point")
-        file_.fail(name + " has the unknown type '" + source.type + "'", "use point, spot or directional");
-    light.position = position_of(node);
-    if (light.kind != LightKind::point) light.direction = -axis_of(node, 2, file_);
-    for (int k = 0; k < 3; ++k)
-        light.intensity[k] = float(source.intensity * (source.color.size() < 3 ? 1.0 : source.color[std::size_t(k)]));
-    if (light.kind != LightKind::directional) light.range = float(source.range);
-    light.attenuation = attenuation_of(source, name, file_);
-    if (light.kind == LightKind::spot) {
-        light.inner_angle = float(source.spot.innerConeAngle);
-        light.outer_angle = float(source.spot.outerConeAngle);
-    }
-    scene_.lights.push_back(light);
 }
 
 /// Weights of a node stand in for those of its mesh (section 3.7.2.2).
