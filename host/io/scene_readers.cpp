@@ -6,6 +6,7 @@
 #include <fstream>
 #include <span>
 
+#include "host/io/little_endian.hpp"
 #include "host/io/words.hpp"
 
 namespace claray {
@@ -19,9 +20,7 @@ bool is_ply(const SceneBeginning& file) { return file.text.starts_with("ply\n") 
 bool is_stl(const SceneBeginning& file) {
     if (file.text.starts_with("solid")) return true;
     if (file.bytes.size() < 84) return false;
-    std::uintmax_t triangles = 0;
-    for (std::size_t i = 4; i-- > 0;) triangles = triangles << 8 | std::uint8_t(file.bytes[80 + i]);
-    return file.size == 84 + 50 * triangles;
+    return file.size == 84 + 50 * little_endian(file.bytes, 80, 4);
 }
 
 /// Whether the first word, behind empty lines and comments, is one of the statements.
@@ -64,10 +63,7 @@ bool is_collada(const SceneBeginning& file) {
 
 /// Its first chunk is all of it.
 bool is_3ds(const SceneBeginning& file) {
-    if (!file.bytes.starts_with("MM") || file.bytes.size() < 6) return false;
-    std::uintmax_t length = 0;
-    for (std::size_t i = 4; i-- > 0;) length = length << 8 | std::uint8_t(file.bytes[2 + i]);
-    return length == file.size;
+    return file.bytes.starts_with("MM") && file.bytes.size() >= 6 && little_endian(file.bytes, 2, 4) == file.size;
 }
 
 /// OFF, and with letters for what its vertices have besides: COFF, STCNOFF.
@@ -145,9 +141,7 @@ void for_each_extension(const SceneReader& reader, Take&& take) {
 }
 
 bool has_extension(const SceneReader& reader, const std::filesystem::path& path) {
-    std::string extension = path.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return std::tolower(c); });
+    const std::string extension = lower_case(path.extension().string());
     bool found = false;
     for_each_extension(reader, [&](std::string_view known) { found |= known == extension; });
     return found;

@@ -42,7 +42,7 @@ constexpr std::size_t longest_name = 100;  // in messages
 
 int hex_digit(char c) {
     if (c >= '0' && c <= '9') return c - '0';
-    const int letter = std::tolower(static_cast<unsigned char>(c));
+    const char letter = lower_case(c);
     return letter >= 'a' && letter <= 'f' ? letter - 'a' + 10 : -1;
 }
 

@@ -57,8 +57,7 @@ bool is_finite_number(std::string_view word) {
 std::optional<float> not_finite_number(std::string_view word) {
     const bool negative = word.starts_with('-');
     if (negative || word.starts_with('+')) word.remove_prefix(1);
-    std::string lower;
-    for (const char c : word) lower += c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
+    const std::string lower = lower_case(word);
     // "1.#..." is how old Microsoft libraries write them.
     if (lower == "inf" || lower == "infinity" || lower.starts_with("1.#inf")) return negative ? -INFINITY : INFINITY;
     if (lower.starts_with("nan") || lower.starts_with("1.#")) return NAN;

@@ -7,6 +7,17 @@
 
 namespace claray {
 
+/// ASCII letters in lower case, in any locale; other bytes as they are.
+[[nodiscard]] constexpr char lower_case(char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; }
+[[nodiscard]] inline std::string lower_case(std::string_view text) {
+    std::string lower(text);
+    for (char& c : lower) c = lower_case(c);
+    return lower;
+}
+[[nodiscard]] inline bool is_same_in_any_case(std::string_view a, std::string_view b) {
+    return lower_case(a) == lower_case(b);
+}
+
 /// The next word of a line, which loses it; empty at the end of the line and where a comment begins.
 [[nodiscard]] std::string_view next_word(std::string_view& line);
 

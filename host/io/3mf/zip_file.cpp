@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "claray/error.hpp"
+#include "host/io/little_endian.hpp"
 #include "host/io/words.hpp"
 
 namespace claray {
@@ -14,9 +15,7 @@ constexpr std::size_t zip_end_bytes = 22, zip_entry_bytes = 46, part_header_byte
 
 std::string plain_name(std::string_view name) {
     while (name.starts_with('/')) name.remove_prefix(1);
-    std::string plain(name);
-    std::transform(plain.begin(), plain.end(), plain.begin(), [](unsigned char c) { return std::tolower(c); });
-    return plain;
+    return lower_case(name);
 }
 
 }  // namespace
@@ -33,9 +32,7 @@ void ZipFile::refuse(const std::string& what) const {
 
 std::size_t ZipFile::word(std::size_t at, std::size_t bytes) const {
     if (at > bytes_.size() || bytes > bytes_.size() - at) refuse("its directory leaves the archive");
-    std::size_t value = 0;
-    for (std::size_t i = bytes; i-- > 0;) value = value << 8 | std::uint8_t(bytes_[at + i]);
-    return value;
+    return little_endian(bytes_, at, unsigned(bytes));
 }
 
 void ZipFile::read_directory(std::size_t end) {

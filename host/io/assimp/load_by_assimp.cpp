@@ -45,8 +45,7 @@ double most_import_seconds() {
 
 /// By which Assimp knows the format: the file's extension, or the first of its row if its content told the format.
 std::string assimp_extension(const fs::path& path, const SceneReader& reader) {
-    std::string own = path.extension().string();
-    std::transform(own.begin(), own.end(), own.begin(), [](unsigned char c) { return std::tolower(c); });
+    const std::string own = lower_case(path.extension().string());
     std::string_view known = reader.extensions;
     const std::string_view first = next_word(known);
     for (std::string_view word = first; !word.empty(); word = next_word(known))

@@ -1,7 +1,6 @@
 // Images to files of all formats.
 #include <algorithm>
 #include <bit>
-#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -12,6 +11,7 @@
 #include "host/base/file.hpp"
 #include "host/io/image/exr.hpp"
 #include "host/io/image/write/encode.hpp"
+#include "host/io/words.hpp"
 
 namespace claray {
 namespace {
@@ -124,8 +124,7 @@ std::string pfm_bytes(unsigned width, unsigned height, unsigned channels, const 
 }  // namespace
 
 std::optional<ImageFormat> image_format_of(const fs::path& path) {
-    std::string extension = path.extension().string();
-    for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+    const std::string extension = lower_case(path.extension().string());
     for (const ImageFormatTraits& traits : image_formats)
         if (extension == "." + std::string(traits.name)) return traits.format;
     return {};

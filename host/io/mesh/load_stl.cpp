@@ -149,10 +149,7 @@ private:
         while (at_ < text_.size() && is_blank(text_[at_])) line_ += text_[at_++] == '\n';
         const std::size_t begin = at_;
         while (at_ < text_.size() && !is_blank(text_[at_])) ++at_;
-        std::string word = text_.substr(begin, at_ - begin);
-        for (char& c : word)
-            if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
-        return word;
+        return lower_case(std::string_view(text_).substr(begin, at_ - begin));
     }
     std::string rest_of_line() {
         const std::size_t end = std::min(text_.find('\n', at_), text_.size());

@@ -63,15 +63,6 @@ double read_binary(PlyType type, const char* bytes, bool swap) {
 
 }  // namespace
 
-namespace {
-
-bool is_same_in_any_case(std::string_view a, std::string_view b) {
-    const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; };
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return lower(x) == lower(y); });
-}
-
-}  // namespace
-
 int PlyElement::find(std::initializer_list<std::string_view> names) const {
     for (std::size_t i = 0; i < properties.size(); ++i)
         for (const std::string_view name : names)

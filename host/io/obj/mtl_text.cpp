@@ -58,14 +58,11 @@ constexpr Keyword keywords[] = {{"newmtl", Holds::name},
                                 {"refl", Holds::image, true, "map_refl"},
                                 {"decal", Holds::image, true}};
 
-bool is_same(std::string_view a, std::string_view b) {
-    const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; };
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return lower(x) == lower(y); });
-}
-
 const Keyword* keyword_of(std::string_view word) {
     for (const Keyword& keyword : keywords)
-        if (is_same(word, keyword.name) || (!keyword.other.empty() && is_same(word, keyword.other))) return &keyword;
+        if (is_same_in_any_case(word, keyword.name) ||
+            (!keyword.other.empty() && is_same_in_any_case(word, keyword.other)))
+            return &keyword;
     return nullptr;
 }
 
@@ -88,14 +85,14 @@ using Words = std::vector<std::string_view>;
 /// the parser takes it, or nothing where there is none.
 std::optional<std::string> take_option(const Words& words, std::size_t& at, bool complete) {
     const auto option = std::find_if(std::begin(options), std::end(options),
-                                     [&](const Option& known) { return is_same(words[at], known.name); });
+                                     [&](const Option& known) { return is_same_in_any_case(words[at], known.name); });
     if (option == std::end(options)) return {};
     std::string result(option->name);
     std::size_t next = at + 1, given = 0;
     if (option->numbers == 0) {
         const bool switches = option->fallbacks[0] == "on";
-        const bool has_word =
-            next < words.size() && (!switches || is_same(words[next], "on") || is_same(words[next], "off"));
+        const bool has_word = next < words.size() && (!switches || is_same_in_any_case(words[next], "on") ||
+                                                      is_same_in_any_case(words[next], "off"));
         if (!has_word && complete) return {};
         result += " " + std::string(has_word ? words[next++] : option->fallbacks[0]);
     }

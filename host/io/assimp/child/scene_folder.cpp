@@ -5,15 +5,12 @@
 #include <fstream>
 #include <string_view>
 
+#include "host/io/words.hpp"
+
 namespace claray::assimp {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string lower(std::string text) {
-    std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-    return text;
-}
 
 bool is_below(const fs::path& path, const fs::path& folder) {
     const auto [end, other] = std::mismatch(folder.begin(), folder.end(), path.begin(), path.end());
@@ -50,7 +47,7 @@ void SceneFolder::list(const fs::path& folder, bool also_below) {
         if (entry->is_directory(unreadable))
             below.push_back(entry->path());
         else
-            files_.try_emplace(lower(entry->path().filename().string()),
+            files_.try_emplace(lower_case(entry->path().filename().string()),
                                entry->path().lexically_relative(folder_).string());
     }
     if (!also_below) return;
@@ -66,7 +63,7 @@ std::optional<std::string> SceneFolder::find(const std::string& name) const {
     if (asked.is_relative() && fs::is_regular_file(folder_ / asked, error) &&
         is_below(fs::weakly_canonical(folder_ / asked, error), folder_))
         return asked.lexically_normal().string();
-    const auto found = files_.find(lower(asked.filename().string()));
+    const auto found = files_.find(lower_case(asked.filename().string()));
     return found == files_.end() ? std::nullopt : std::optional(found->second);
 }
 

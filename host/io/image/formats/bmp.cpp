@@ -5,7 +5,8 @@
 #include <array>
 #include <bit>
 
-#include "host/io/image/formats/little_endian.hpp"
+#include "host/io/image/formats/empty_alpha.hpp"
+#include "host/io/little_endian.hpp"
 
 namespace claray {
 namespace {

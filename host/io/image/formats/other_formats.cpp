@@ -1,6 +1,5 @@
 #include "host/io/image/formats/other_formats.hpp"
-
-#include <algorithm>
+#include "host/io/words.hpp"
 
 namespace claray {
 namespace {
@@ -104,9 +103,7 @@ bool is_cursor(std::string_view bytes) {
 /// Markup: whether its beginning names a tag.
 bool names(std::string_view bytes, std::string_view tag) {
     constexpr std::size_t beginning = 512;
-    std::string text(bytes.substr(0, beginning));
-    std::transform(text.begin(), text.end(), text.begin(),
-                   [](char c) { return c >= 'A' && c <= 'Z' ? char(c + 32) : c; });
+    const std::string text = lower_case(bytes.substr(0, beginning));
     const std::size_t first = text.find_first_not_of("\xef\xbb\xbf \t\r\n");
     return first != std::string::npos && text[first] == '<' && text.find(tag) != std::string::npos;
 }

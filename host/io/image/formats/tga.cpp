@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <string>
 
-#include "host/io/image/formats/little_endian.hpp"
+#include "host/io/image/formats/empty_alpha.hpp"
+#include "host/io/little_endian.hpp"
 
 namespace claray {
 namespace {
