@@ -40,6 +40,13 @@ void warn_of_culled(const RenderProgress& progress) {
                       std::to_string(progress.culled));
 }
 
+/// Whether pictures take the exposure of a light that claray chooses. Other ranks, which render frames of their own, do
+/// not know it.
+bool takes_exposure_of_light(const RenderOptions& options) {
+    const bool is_given = options.exposure || options.auto_exposure;
+    return !is_given && is_shaped(options) && !(options.animation && rank_session() != nullptr);
+}
+
 /// Who renders a picture, and what becomes of it.
 struct PictureJob {
     const std::vector<Device>& devices;
@@ -215,6 +222,7 @@ public:
     [[nodiscard]] Scene load(unsigned frame) {
         const std::lock_guard lock(loading_);
         Scene scene = load_for(options_of_frame(options_, frame), &first_);
+        if (options_.view.exposes && !exposure_) exposure_ = first_.exposure();
         if (options_.turntable > 0)
             scene.camera = orbited(camera_of(scene), 360.f * float(frame) / float(options_.turntable));
         return scene;
@@ -370,7 +378,7 @@ void warn_of_missing_float64(const std::vector<Device>& devices) {
     print_warning("'" + without->info().name + "' has no float64: where hits are doubtful, it may find others");
 }
 
-void render(const RenderOptions& options) {
+void render(RenderOptions options) {
     if (is_other_rank())
         return serve_rank_0(
             options.device, options.wait_for_kernels ? "" : this_program(),
@@ -385,11 +393,14 @@ void render(const RenderOptions& options) {
     warn_of_missing_float64(devices);
     enable_profilers(devices, options);
     warn_of_picture_options(options);
+    options.view.exposes = takes_exposure_of_light(options);
     Writes writes;
     if (options.animation) {
         render_animation(devices, options, writes);
     } else {
-        const Scene scene = load_for(options);
+        FirstFrame first;
+        const Scene scene = load_for(options, &first);
+        if (options.view.exposes && first.exposure()) options.exposure = first.exposure();
         if (options.fps > 0) return run_frames(devices.front(), scene, options);
         render_picture({devices, meet_ranks()}, scene, options, writes);
     }

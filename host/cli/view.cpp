@@ -40,8 +40,7 @@ struct LiveOptions {
     std::filesystem::path script, output;
     int port = 8080;
     bool window = false, terminal = false, quiet = false, browser = true;
-    bool chooses_exposure = false;
-    std::vector<std::string> render_options;  // those that `claray render` has, too, but for what the view shows
+    std::vector<std::string> render_options;  // for `claray render`, but for what the view changes
 };
 
 constexpr double script_step = 1. / 60;  // seconds of an animation per frame
@@ -69,9 +68,9 @@ std::string quoted(const std::string& text) {
 
 /// The options of the command line that `claray render` has, too, but for those that a view changes.
 std::vector<std::string> options_for_render(CLI::App& command) {
-    static const std::set<std::string> changed = {"--camera", "--look-at",    "--up",       "--fov",
-                                                  "--ortho",  "--projection", "--aperture", "--focus-distance",
-                                                  "--size",   "--spp",        "--exposure", "--output"};
+    static const std::set<std::string> changed = {
+        "--camera",         "--look-at", "--up",  "--fov",      "--ortho",  "--projection", "--aperture",
+        "--focus-distance", "--size",    "--spp", "--exposure", "--output", "--at"};
     const CLI::App& render = *command.get_parent()->get_subcommand("render");
     std::vector<std::string> words;
     for (const CLI::Option* option : command.get_options()) {
@@ -116,17 +115,34 @@ float exposure_for_lights(const Scene& scene, float aspect) {
     return stops;
 }
 
-view::View view_of(const Device& device, const LiveOptions& options) {
+std::string triple(const glm::vec3& v) { return printed("%.9g,%.9g,%.9g", double(v.x), double(v.y), double(v.z)); }
+
+/// Options for the light that claray chose as the first camera sees the scene. Renders by another would choose other.
+std::vector<std::string> options_of(const DefaultLight& light, const Camera& camera) {
+    if (light.sky) return {"--sky", triple(light.sky->horizon) + "," + triple(light.sky->zenith)};
+    if (light.environment) return {"--studio", triple(camera.target - camera.position)};
+    if (!light.lamp) return {};
+    return {"--light", "point,position=" + triple(light.lamp->position) + ",intensity=" +
+                           triple(light.lamp->intensity) + ",attenuation=" + triple(light.lamp->attenuation)};
+}
+
+/// Adds options that renders need for the same light.
+view::View view_of(const Device& device, LiveOptions& options) {
     view::ViewConfig config = options.config;
     FirstFrame first;
     Scene scene = load_view(options.scene, options.view, config.render.width, config.render.height, &first);
-    if (options.chooses_exposure)
+    if (options.view.exposes && first.exposure())
+        config.picture.exposure = *first.exposure();
+    else if (options.view.exposes)
         config.picture.exposure = exposure_for_lights(scene, float(config.render.width) / float(config.render.height));
     config.animation = animation_of(options, first);
-    return {device, std::move(scene), config};
+    view::View view(device, std::move(scene), config);
+    const std::vector<std::string> light = options_of(first.light.value_or(DefaultLight()), view.camera());
+    options.render_options.insert(options.render_options.end(), light.begin(), light.end());
+    return view;
 }
 
-/// Arguments of claray that render what is seen, as far as options tell it.
+/// Arguments of claray that render the image of what is seen.
 std::vector<std::string> render_of(const view::View& view, const LiveOptions& options) {
     const RenderConfig& render = view.config().render;
     const PictureConfig& picture = view.config().picture;
@@ -138,6 +154,10 @@ std::vector<std::string> render_of(const view::View& view, const LiveOptions& op
                                        picture.tone_map == ToneMap::none ? "none" : "aces") +
                                " --output view.png");
     words.insert(words.end(), std::istream_iterator<std::string>(of_view), {});
+    for (const std::string& edit : view.edits()) words.insert(words.end(), {"--set", edit});
+    const double time = view.state().time;
+    if (options.view.load.time || time > 0) words.insert(words.end(), {"--at", printed("%.9g", time)});
+    if (view.state().denoises) words.push_back("--denoise=claray");
     return words;
 }
 
@@ -172,7 +192,7 @@ void serve(view::View& view, const Device& device, const LiveOptions& options, c
     web.open = [&](const std::filesystem::path& file) {
         LiveOptions other = options;
         other.scene = file.string(), other.view = {}, other.view.load.live = true, other.render_options.clear();
-        other.chooses_exposure = true;
+        other.view.exposes = true;
         view::View opened = view_of(device, other);
         other.scene = file.filename().string();
         shown = other;
@@ -183,7 +203,7 @@ void serve(view::View& view, const Device& device, const LiveOptions& options, c
     view::serve(view, web);
 }
 
-void look(const LiveOptions& options) {
+void look(LiveOptions options) {
     view::Script script;
     if (!options.script.empty()) script = view::read_script(options.script);
     if (options.window) view::require_window();
@@ -264,7 +284,7 @@ void add_view_command(CLI::App& app, Action& action) {
         refuse_both(*command, "--script", {"--window", "--terminal", "--port", "--host"}, "a script needs no display");
         refuse_both(*command, "--window", {"--terminal", "--port", "--host"}, "there is one display");
         refuse_both(*command, "--terminal", {"--port", "--host"}, "there is one display");
-        options->chooses_exposure = command->count("--exposure") == 0;
+        options->view.exposes = command->count("--exposure") == 0;
         options->render_options = options_for_render(*command);
         action = [options] { look(*options); };
     });

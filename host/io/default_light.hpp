@@ -22,6 +22,9 @@ struct DefaultLight {
     std::optional<Sky> sky;
     std::optional<Environment> environment;
     std::optional<Light> lamp;
+    /// In stops: of pictures whose exposure is not given.
+    float exposure = 0;
+    [[nodiscard]] bool any() const { return sky || environment || lamp; }
 };
 void add(Scene& scene, const DefaultLight& light);
 

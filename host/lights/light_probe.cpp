@@ -25,6 +25,7 @@ constexpr unsigned side = 32;            // of the grid of camera rays
 constexpr unsigned bounces = 4;          // rays from each visible point
 constexpr std::size_t most_lights = 16;  // lights evaluated per point; of more lights this many are drawn at random
 constexpr unsigned most_layers = 32;     // transparent surfaces along a ray
+constexpr double grey = 0.5;             // albedo of surfaces that light others
 
 /// Which surfaces stop a ray. Paths find lamps behind glass, but glass stops shadow rays to lights without extent.
 enum class Through { openings, glass };
@@ -40,10 +41,12 @@ struct ProbeSight {
 
 class Probe {
 public:
-    explicit Probe(const ProbedScene& probed)
+    /// `lit` has the lights that count.
+    Probe(const ProbedScene& probed, const Scene& lit)
         : scene_(probed.scene()),
+          lit_(lit),
           rays_(probed.rays()),
-          lights_(collect_lights(scene_, {std::numeric_limits<std::size_t>::max(), 0, 32})) {
+          lights_(collect_lights(lit, {std::numeric_limits<std::size_t>::max(), 0, 32})) {
         const Bounds bounds = bounds_of(scene_);
         if (!bounds.empty()) nudge_ = 1e-6 * glm::length(glm::dvec3(bounds.extent()));
         for (const TriangleLight& light : lights_.triangles) last_numbers_.push_back(light.cumulative);
@@ -54,6 +57,8 @@ public:
     [[nodiscard]] std::size_t lights() const { return lights_.size(); }
     /// Luminance of a grey surface there, lit by the lights and by surfaces that they light.
     [[nodiscard]] double lit_grey(const ProbeSight& sight, scenes::Random& random, unsigned& open) const;
+    /// Of a white surface there, lit from around the scene, too.
+    [[nodiscard]] double lit_white(const ProbeSight& sight, scenes::Random& random) const;
 
 private:
     [[nodiscard]] const Material& material_of(const HostHit& hit) const {
@@ -70,11 +75,13 @@ private:
     [[nodiscard]] std::optional<HostHit> stop_of(const glm::dvec3& origin, const glm::dvec3& direction, double distance,
                                                  Through through, double* passed_back = nullptr) const;
     [[nodiscard]] double irradiance(const ProbeSight& sight, scenes::Random& random) const;
+    [[nodiscard]] double background(const glm::dvec3& direction) const;
     [[nodiscard]] double from_light(std::size_t light, const ProbeSight& sight, scenes::Random& random) const;
     [[nodiscard]] double from_lamp(const TriangleLight& light, const ProbeSight& sight, scenes::Random& random) const;
     [[nodiscard]] double from_punctual(const PunctualLight& light, const ProbeSight& sight) const;
 
     const Scene& scene_;
+    const Scene& lit_;
     const HostRays& rays_;
     Lights lights_;
     std::vector<std::uint32_t> last_numbers_;  // of all lights, see TriangleLight::cumulative
@@ -220,13 +227,38 @@ glm::dvec3 scattered(const glm::dvec3& normal, scenes::Random& random) {
 }
 
 double Probe::lit_grey(const ProbeSight& sight, scenes::Random& random, unsigned& open) const {
-    constexpr double grey = 0.5;
     double arriving = irradiance(sight, random);
     for (unsigned i = 0; i < bounces; ++i) {
         const auto next = look(sight.point, scattered(sight.normal, random));
         next ? arriving += grey * irradiance(*next, random) / bounces : open += 1;
     }
     return grey / pi * arriving;
+}
+
+/// Radiance from where no surface is; as in kernels/lights/sky.clh and environment.clh.
+double Probe::background(const glm::dvec3& direction) const {
+    if (lit_.environment.images.empty())
+        return luminance(glm::mix(lit_.sky.horizon, lit_.sky.zenith, float(std::clamp(direction.y, 0.0, 1.0))));
+    const glm::vec2 at(std::atan2(direction.x, -direction.z) / (2 * pi) + 0.5,
+                       std::acos(std::clamp(direction.y, -1.0, 1.0)) / pi);
+    return double(lit_.environment.strength) * luminance(glm::vec3(nearest_texel(lit_.environment.images[0], at)));
+}
+
+double Probe::lit_white(const ProbeSight& sight, scenes::Random& random) const {
+    constexpr unsigned rays = 64;  // noise would darken the log-average
+    double arriving = irradiance(sight, random);
+    for (unsigned i = 0; i < rays; ++i) {
+        const glm::dvec3 direction = scattered(sight.normal, random);
+        const auto next = look(sight.point, direction);
+        if (!next) {
+            arriving += pi * background(direction) / rays;
+            continue;
+        }
+        const glm::dvec3 onward = scattered(next->normal, random);
+        const double around = look(next->point, onward) ? 0 : pi * background(onward);
+        arriving += grey * (irradiance(*next, random) + around) / rays;
+    }
+    return arriving / pi;
 }
 
 /// The counts of one row of camera rays.
@@ -252,21 +284,32 @@ struct ProbedRow {
     }
 };
 
-ProbedRow probe_row(const Probe& probe, const CameraData& camera, unsigned row) {
-    ProbedRow found;
+/// Calls `visit` with the surfaces of one row of camera rays, their directions and random numbers.
+template <class Visit>
+void look_along(const Probe& probe, const CameraData& camera, unsigned row, const Visit& visit) {
     scenes::Random random(row);
     for (unsigned column = 0; column < side; ++column) {
         const double x = 2 * (column + random.uniform()) / side - 1, y = 1 - 2 * (row + random.uniform()) / side;
-        const glm::dvec3 forward(camera.forward_x, camera.forward_y, camera.forward_z);
         const CameraRay ray = camera_ray(camera, x, y);
         const glm::dvec3 direction = glm::normalize(ray.direction);
-        const std::optional<ProbeSight> sight = probe.look(ray.origin, direction);
-        if (!sight) continue;
-        const double luminance = probe.lit_grey(*sight, random, found.open);
-        found.add(*sight, luminance, glm::dot(direction, forward));
+        if (const std::optional<ProbeSight> sight = probe.look(ray.origin, direction)) visit(*sight, direction, random);
     }
+}
+
+ProbedRow probe_row(const Probe& probe, const CameraData& camera, unsigned row) {
+    ProbedRow found;
+    const glm::dvec3 forward(camera.forward_x, camera.forward_y, camera.forward_z);
+    look_along(probe, camera, row, [&](const ProbeSight& sight, const glm::dvec3& direction, scenes::Random& random) {
+        const double luminance = probe.lit_grey(sight, random, found.open);
+        found.add(sight, luminance, glm::dot(direction, forward));
+    });
     return found;
 }
+
+struct SumOfLogarithms {
+    double sum = 0;
+    unsigned count = 0;
+};
 
 /// Adds a tube of four sides.
 void add_tube(Mesh& mesh, const glm::vec4& a, const glm::vec3& b, std::uint32_t material) {
@@ -331,7 +374,7 @@ ProbedScene::ProbedScene(const Scene& scene)
       rays_(this->scene()) {}
 
 LightProbe probe_light(const ProbedScene& scene, const Camera& camera, float aspect) {
-    const Probe probe(scene);
+    const Probe probe(scene, scene.scene());
     const CameraData view = camera_data(camera, aspect);
     std::vector<ProbedRow> rows(side);
     in_parallel(side, [&](std::size_t i) { rows[i] = probe_row(probe, view, unsigned(i)); });
@@ -347,6 +390,21 @@ LightProbe probe_light(const ProbedScene& scene, const Camera& camera, float asp
     shares.behind_backs = percentile(sum.behind_backs, 0.5);
     if (!sum.luminances.empty()) shares.brightness = percentile(sum.luminances, 0.75);
     return shares;
+}
+
+double log_average_of_white(const ProbedScene& scene, const Scene& lit, const Camera& camera, float aspect) {
+    const Probe probe(scene, lit);
+    const CameraData view = camera_data(camera, aspect);
+    std::vector<SumOfLogarithms> rows(side);
+    in_parallel(side, [&](std::size_t i) {
+        look_along(probe, view, unsigned(i), [&](const ProbeSight& sight, const glm::dvec3&, scenes::Random& random) {
+            const double bright = sight.glows ? 0 : probe.lit_white(sight, random);
+            if (bright > 0) rows[i].sum += std::log(bright), ++rows[i].count;
+        });
+    });
+    SumOfLogarithms all;
+    for (const SumOfLogarithms& row : rows) all.sum += row.sum, all.count += row.count;
+    return all.count > 0 ? std::exp(all.sum / all.count) : 0;
 }
 
 }  // namespace claray

@@ -44,4 +44,11 @@ inline constexpr double visible_luminance = 0.02;
 /// ignored.
 [[nodiscard]] LightProbe probe_light(const ProbedScene& scene, const Camera& camera, float aspect);
 
+/// The log-average (Reinhard et al. 2002, "Photographic tone reproduction for digital images", section 3) of the
+/// luminance that the visible surfaces would have if they were white, in light that grey ones reflect, too. `lit` is
+/// the scene with the light that counts: its lights, and its sky or its environment, which is one image that is not
+/// turned. 0: no light arrives.
+[[nodiscard]] double log_average_of_white(const ProbedScene& scene, const Scene& lit, const Camera& camera,
+                                          float aspect);
+
 }  // namespace claray

@@ -9,6 +9,7 @@
 #include "host/base/format.hpp"
 #include "host/base/seconds_since.hpp"
 #include "host/view/camera_control.hpp"
+#include "host/view/edit/scene_edits.hpp"
 #include "host/view/false_colors.hpp"
 #include "host/view/refuse.hpp"
 
@@ -22,14 +23,8 @@ constexpr std::size_t most_pixels = 4096 * 4096;  // more than displays of 5120x
 constexpr double least_share = 0.25;              // of a frame's time that is spent on sampling
 constexpr double longest_slice = 0.01;            // seconds from one look at what interrupts to the next
 
-/// Instances place all meshes, so that each can be moved. Those that stay where they are do not change the picture.
-Scene movable(Scene scene) {
-    if (scene.instances.empty())
-        for (std::uint32_t mesh = 0; mesh < scene.meshes.size(); ++mesh) scene.instances.push_back({mesh});
-    return scene;
-}
-
-Scene with_camera(Scene scene, const RenderConfig& config) {
+Scene prepared(Scene scene, const RenderConfig& config) {
+    place_all(scene);
     scene.camera = camera_of(scene, float(config.width) / float(config.height));
     return scene;
 }
@@ -52,7 +47,7 @@ void require_live_size(unsigned width, unsigned height) {
 /// drivers do at its first run.
 View::View(const Device& device, Scene scene, const ViewConfig& config)
     : device_(device),
-      scene_(movable(with_camera(std::move(scene), config.render))),
+      scene_(prepared(std::move(scene), config.render)),
       config_(config),
       home_(*scene_.camera),
       renderer_(std::make_unique<Renderer>(device, scene_, config_.render)),
@@ -271,7 +266,8 @@ glm::vec3 View::point_at(std::size_t pixel, float depth) const {
 }
 
 void View::show_time(double time) {
-    Scene then = movable(config_.animation.scene_at(time));
+    Scene then = config_.animation.scene_at(time);
+    place_all(then);
     then.camera = scene_.camera, then.materials = scene_.materials;
     const bool deforms = !have_same_vertices(scene_, then);
     std::swap(then.textures, scene_.textures);
@@ -282,7 +278,7 @@ void View::show_time(double time) {
         throw;
     }
     scene_ = std::move(then);
-    history_.clear();
+    history_.clear(), original_.lights.clear(), original_.instances.clear();
     spp_ = 0, time_ = time;
 }
 

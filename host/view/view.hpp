@@ -86,6 +86,8 @@ public:
     [[nodiscard]] const ViewConfig& config() const { return config_; }
     [[nodiscard]] ViewState state() const;
     [[nodiscard]] const History& history() const { return history_; }
+    /// What commands changed of materials, lights and instances since the scene was loaded, as `apply_edit` takes it.
+    [[nodiscard]] std::vector<std::string> edits() const;
     /// The noise of the image since its samples began.
     [[nodiscard]] const Curve& curve() const { return curve_; }
     /// What the effects of the scene cost, once the command `explain` has measured it.
@@ -159,6 +161,7 @@ private:
     std::optional<std::uint32_t> material_;  // selected
     std::optional<std::size_t> light_;       // selected instead of an object
     History history_;
+    Scene original_;  // the lists that were changed, as they were
     Curve curve_;
     EffectCosts costs_;
     std::uint64_t revision_ = 0;

@@ -6,6 +6,7 @@
 
 #include "host/base/format.hpp"
 #include "host/view/camera_control.hpp"
+#include "host/view/edit/scene_edits.hpp"
 #include "host/view/edit/values.hpp"
 #include "host/view/refuse.hpp"
 #include "host/view/view.hpp"
@@ -37,9 +38,12 @@ void View::change(std::vector<Part> Scene::*part, const SceneChanges& changes, c
         scene_.*part = std::move(before);
         throw;
     }
+    if ((original_.*part).empty()) original_.*part = before;
     history_.add(std::move(before));
     spp_ = 0;
 }
+
+std::vector<std::string> View::edits() const { return edits_between(original_, scene_); }
 
 void View::exchange_step(Step& step) {
     const auto with = [&](auto Scene::*part, auto& list, const SceneChanges& changes) {

@@ -6,6 +6,7 @@
 #include <future>
 #include <memory>
 
+#include "claray/io.hpp"
 #include "handles.hpp"
 #include "host/view/web/web.hpp"
 
@@ -21,6 +22,10 @@ public:
         web.ready = [url](const std::string& address) { url->set_value(address); };
         std::future<std::string> ready = url->get_future();
         const Device own = without_gil(device, [&] { return device.device.with_new_queue(); });
+        web.open = [own, config](const std::filesystem::path& file) {
+            Warnings warnings;
+            return view::View(own, load_scene(file.string(), warnings, {.live = true}), config);
+        };
         served_ = std::async(std::launch::async, [=] { serve(own, scene, config, web, *url); });
         const nb::gil_scoped_release release;
         url_ = ready.get();

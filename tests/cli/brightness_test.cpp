@@ -105,7 +105,7 @@ constexpr const char* sky =
     "the file has no light: added a neutral studio as light; choose other light with --light, --sky or --env";
 
 TEST_F(DarkFile, AllCommandsThatRenderLightIt) {
-    EXPECT_TRUE(tells(render({}), sky));
+    EXPECT_TRUE(tells(render({"--exposure", "0"}), sky));
     EXPECT_TRUE(tells(
         run({"explain", "--size", "8x8", "--rounds", "1", "--only", "sky", "--no-compile-times", "--quiet"}), sky));
     EXPECT_TRUE(tells(run({"accuracy", "--quick", "--size", "8x8", "--only", "sums", "--runs", "1", "--quiet"}), sky));
@@ -132,6 +132,21 @@ TEST_F(DarkFile, LightThatIsChosenIsNotDoubted) {
 unsigned middle_of(const std::filesystem::path& png) {
     const Texture image = load_image(png);
     return image.bytes.at(image.channels * (image.width * (image.height / 2) + image.width / 2) + 1);
+}
+
+/// White would have the luminance 0.5, so the square, which reflects half, has 0.25.
+TEST_F(DarkFile, LightThatIsAddedIsExposed) {
+    const std::string line = "added a neutral studio as light, with an exposure of ";
+    const ProcessResult exposed = render({"--spp", "256"});
+    ASSERT_TRUE(tells(exposed, line)) << exposed.errors;
+    const double stops = std::stod(exposed.errors.substr(exposed.errors.find(line) + line.size()));
+    EXPECT_NEAR(middle_of(path("a.png")), 165, 8);
+    const std::vector<std::uint8_t> chosen = load_image(path("a.png")).bytes;
+    EXPECT_FALSE(tells(render({"--spp", "256", "-o", path("a.pfm")}), "exposure")) << "which stores the radiance";
+    EXPECT_NEAR(load_image(path("a.pfm")).floats[3 * (16 * 8 + 8)] * std::exp2(stops), 0.25, 0.03);
+    EXPECT_FALSE(tells(render({"--spp", "256", "--exposure", std::to_string(stops)}), line));
+    EXPECT_EQ(load_image(path("a.png")).bytes, chosen);
+    EXPECT_TRUE(tells(render({"--turntable", "2"}), line)) << "of both frames";
 }
 
 /// Lamps in candela and suns in lux, as Blender exports them, keep their ratios; only the exposure changes.

@@ -230,6 +230,28 @@ TEST(LightProbe, RaysPassThroughWhatLetsLightPass) {
     EXPECT_EQ(square.probe().lit, 1) << "its back lets the sun pass";
 }
 
+TEST(LightProbe, WhiteIsExposedByAllLight) {
+    TracedSquare square;
+    const auto white = [&](const Scene& lit) { return log_average_of_white(square.scene, lit, square.camera, 1.f); };
+    EXPECT_EQ(white(square.scene), 0) << "no light arrives";
+    Scene lit = square.scene;
+    lit.sky.horizon = lit.sky.zenith = glm::vec3(2.f);
+    EXPECT_NEAR(white(lit), 2, 1e-5) << "the same light from all sides";
+    Texture image;
+    image.format = TexelFormat::float32, image.width = 4, image.height = 2, image.channels = 1;
+    image.floats = {0, 5, 5, 0, 0, 5, 5, 0};  // where -z is, to which the square turns its back
+    lit.environment.images = {image};
+    EXPECT_EQ(white(lit), 0);
+    image.floats = {5, 0, 0, 5, 5, 0, 0, 5};
+    lit.environment.images = {image}, lit.environment.strength = 3;
+    EXPECT_NEAR(white(lit), 15, 1e-4);
+    lit = square.scene;
+    Light sun;
+    sun.kind = LightKind::directional, sun.direction = {0, 0, -1}, sun.intensity = glm::vec3(3.f);
+    lit.lights = {sun};
+    EXPECT_NEAR(white(lit), 3 / pi, 1e-6);
+}
+
 TEST(LightProbe, InAClosedRoomNothingIsOpen) {
     TracedSquare square;
     square.add_wall({-1, -1, 20}, {2, 0, 0}, {0, 2, 0});

@@ -8,6 +8,7 @@
 #include <csignal>
 #include <nlohmann/json.hpp>
 
+#include "claray/io.hpp"
 #include "host/base/process/environment.hpp"
 #include "tests/support/process.hpp"
 
@@ -23,6 +24,18 @@ int free_port() {
     EXPECT_EQ(::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size), 0);
     ::close(socket);
     return ntohs(address.sin_port);
+}
+
+/// The farthest that red, green and blue of two PNGs are apart, which may have an alpha.
+int difference(const std::filesystem::path& a, const std::filesystem::path& b) {
+    const Texture one = load_image(a), other = load_image(b);
+    if (one.width != other.width || one.height != other.height) return 256;
+    int most = 0;
+    for (std::size_t i = 0; i < std::size_t(one.width) * one.height; ++i)
+        for (std::size_t k = 0; k < 3; ++k)
+            most = std::max(most,
+                            std::abs(int(one.bytes[i * one.channels + k]) - int(other.bytes[i * other.channels + k])));
+    return most;
 }
 
 /// Stands for the browser: writes the address that it shall show to a file.
@@ -67,6 +80,39 @@ TEST_F(ViewProgramPage, OpensABrowserAndSavesTheRender) {
     const ProcessResult rendered = run_process({CLARAY_PROGRAM, "render", file.string()});
     EXPECT_EQ(rendered.exit_code, 0) << rendered.errors;
     EXPECT_TRUE(std::filesystem::exists(folder_ / "view.png"));
+    view.send(SIGINT);
+    (void)view.wait();
+}
+
+/// The light of a file without light is a studio for the first camera, and the job keeps it.
+TEST_F(ViewProgramPage, ItsJobRepeatsWhatIsShown) {
+    const auto scene = folder_.file("ball.obj",
+                                    "mtllib ball.mtl\nusemtl paint\nv -1 -1 0\nv 1 -1 0\nv 0 1 0.5\nv 0 0 -1\n"
+                                    "f 1 2 3\nf 2 4 3\nf 4 1 3\n");
+    (void)folder_.file("ball.mtl", "newmtl paint\nKd 0.6 0.5 0.4\n");
+    Process view({CLARAY_PROGRAM, "view", scene.string(), "--port", "0", "--size", "32x18", "--spp", "4"}, display());
+    ASSERT_TRUE(view.brings_about([&] { return port_told() > 0; }));
+    httplib::Client client("127.0.0.1", port_told());
+    client.set_read_timeout(std::chrono::hours(1));
+    for (const char* line : {"object 0", "rotate 0 1 0 20", "edit 0", "material albedo 0.1 0.2 0.9", "orbit 25 10"})
+        ASSERT_TRUE(client.Post("/command", line, "text/plain"));
+    const auto complete = [&] {
+        const auto frame = client.Get("/frame");
+        const auto state = nlohmann::json::parse(frame ? frame->get_header_value("View-State") : "{}", nullptr, false);
+        return state.value("complete", false) && state.value("revision", 0) == 4;
+    };
+    ASSERT_TRUE(view.brings_about(complete));
+    const auto shown = client.Get("/picture.png"), saved = client.Get("/job.json");
+    ASSERT_TRUE(shown && saved);
+    const nlohmann::json job = nlohmann::json::parse(saved->body);
+    EXPECT_EQ(job["set"].size(), 2u) << job;
+    EXPECT_TRUE(job.contains("studio")) << job;
+    const ProcessResult result = run_process({CLARAY_PROGRAM, "render", folder_.file("job.json", saved->body).string(),
+                                              "-o", (folder_ / "again.png").string()});
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    EXPECT_EQ(result.errors.find("studio"), std::string::npos) << "no other light is chosen: " << result.errors;
+    EXPECT_LE(difference(folder_.file("shown.png", shown->body), folder_ / "again.png"), 1)
+        << "its direction is rounded";
     view.send(SIGINT);
     (void)view.wait();
 }

@@ -8,6 +8,7 @@
 #include "host/cli/help/help.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/output/messages.hpp"
+#include "host/lights/studio.hpp"
 
 namespace claray::cli {
 namespace {
@@ -165,6 +166,18 @@ void add_light_options(CLI::App& command, LightOptions& o) {
             "An image round the scene, in place of the sky: latitude and longitude, or a folder with px nx py ny pz nz")
         ->type_name(file_value);
     group.next("More light");
+    command
+        .add_option_function<std::string>(
+            "--studio",
+            [&o](const std::string& text) {
+                const std::vector<float> numbers = parse_numbers(text);
+                if (numbers.size() != 3 || numbers == std::vector<float>(3))
+                    refuse("--studio: '" + text + "' is not a direction", "write X,Y,Z");
+                o.studio = {numbers[0], numbers[1], numbers[2]};
+            },
+            "The neutral studio that files without light get, for a camera that looks along X,Y,Z, whatever the file "
+            "has")
+        ->type_name("X,Y,Z");
     command.add_option("--environment-strength", o.strength, "Its radiance times this [1]")->check(number_from_0());
     command.add_option("--environment-rotation", o.rotation, "Turns it by degrees, counter-clockwise from above [0]")
         ->check(finite_number());
@@ -186,13 +199,22 @@ bool add_lights(Scene& scene, const LightOptions& options) {
         scene.sky.fog_color = fog.fog_color, scene.sky.fog_density = fog.fog_density;
         scene.sky.fog_depth = fog.fog_depth;
     }
-    if (options.environment.empty()) return options.sky || !options.lights.empty();
+    if (options.studio && (options.sky || !options.environment.empty()))
+        refuse("--studio replaces sky and environment", "leave out --sky and --environment");
+    if (options.environment.empty()) return options.sky || options.studio || !options.lights.empty();
     Warnings warnings;
     scene.environment = load_environment(options.environment, warnings);
     for (const std::string& warning : warnings) print_warning(warning);
     scene.environment.strength = options.strength.value_or(1.f);
     scene.environment.rotation = degree * options.rotation.value_or(0.f);
     return true;
+}
+
+void add_studio(Scene& scene, const LightOptions& options) {
+    if (!options.studio) return;
+    Camera camera;
+    camera.position = glm::vec3(0), camera.target = *options.studio, camera.up = camera_of(scene).up;
+    scene.environment = studio(camera);
 }
 
 }  // namespace claray::cli

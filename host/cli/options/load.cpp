@@ -5,6 +5,7 @@
 #include <set>
 
 #include "claray/error.hpp"
+#include "host/base/format.hpp"
 #include "host/cli/help/help.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/output/messages.hpp"
@@ -39,13 +40,15 @@ void refuse_unseen(const std::string& name, const Scene& scene) {
 }
 
 /// Lines about what was chosen to show a file, with the options that choose otherwise.
-Warnings lines_of(const Chosen& chosen) {
+Warnings lines_of(const Chosen& chosen, bool exposes) {
     const std::string sides = chosen.past_backs ? "; --cull none shows one-sided surfaces from both sides" : "";
     Warnings lines;
     if (!chosen.view.empty()) lines.push_back(chosen.view + "; choose another with --camera and --look-at" + sides);
     if (!chosen.light.empty())
-        lines.push_back(chosen.light + "; choose other light with --light, --sky or --environment" +
-                        (chosen.view.empty() ? sides : ""));
+        lines.push_back(chosen.light +
+                        (exposes ? printed(", with an exposure of %+.1f stops", double(chosen.added.exposure)) : "") +
+                        "; choose other light with --light, --sky or --environment" +
+                        (exposes ? ", and another exposure with --exposure" : "") + (chosen.view.empty() ? sides : ""));
     return lines;
 }
 
@@ -120,6 +123,7 @@ Scene load(const std::string& name, const LoadOptions& options, const LightOptio
     if (!options.time) refuse_unseen(name, scene);  // an animation may hide all for a while
     const bool lit = add_lights(scene, lights), has_camera = scene.camera.has_value();
     if (view.camera) scene.camera = view.camera(scene);
+    add_studio(scene, lights);
     if (!is_file) return scene;
     const bool is_later_frame = default_light && *default_light;
     if (is_later_frame && !lit) add(scene, **default_light);
@@ -127,7 +131,7 @@ Scene load(const std::string& name, const LoadOptions& options, const LightOptio
     const bool shows_walls = surfaces.culling == int(Culling::none);
     const MayChoose may{!lit, !has_camera && view.inside && !shows_walls, view.inside.value_or(0.f)};
     const Chosen chosen = make_visible(scene, camera_of(scene), view.aspect, may);
-    print_warnings(lines_of(chosen));
+    print_warnings(lines_of(chosen, view.exposes));
     if (default_light) *default_light = chosen.added;
     return scene;
 }

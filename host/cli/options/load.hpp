@@ -27,6 +27,7 @@ struct ViewChoice {
     std::function<Camera(const Scene&)> camera = {};  ///< replaces the scene's
     std::optional<float> inside = {};  ///< field of view of a camera that may replace it, inside of rooms
     float aspect = 1.f;
+    bool exposes = false;  ///< the caller takes the exposure of a light that is chosen
 };
 
 /// Options that select parts of a file: all but the camera.

@@ -1,9 +1,12 @@
 #include "host/cli/options/view_options.hpp"
 
+#include <algorithm>
+
 #include "claray/error.hpp"
 #include "host/cli/help/help.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/picture/lens_options.hpp"
+#include "host/view/edit/scene_edits.hpp"
 
 namespace claray::cli {
 namespace {
@@ -45,6 +48,14 @@ Camera choose_camera(Camera camera, const ViewOptions& options) {
         throw Error(ErrorKind::usage, "--focus-distance has no effect without a lens", "add --aperture");
     if (options.up) camera.up = *options.up;
     return camera;
+}
+
+void apply(const std::string& edit, Scene& scene) {
+    try {
+        view::apply_edit(scene, edit);
+    } catch (const Error& error) {
+        throw Error(error.kind(), std::string("--set ") + error.what());
+    }
 }
 
 }  // namespace
@@ -94,6 +105,14 @@ void add_view_options(CLI::App& command, ViewOptions& o) {
     add_vector("--look-at-end", o.look_at_end, "Point in the middle at shutter close, X,Y,Z");
     add_light_options(command, o.lights);
     add_surface_options(command, o.surfaces);
+    group.next("File");
+    command
+        .add_option("--set", o.edits,
+                    "Change a material, a light or an instance, which count from 0, as claray view does: 'material 2 "
+                    "roughness 0.3', 'light 0 intensity 5 5 5' or 'instance 3 transform' with three rows of four "
+                    "numbers")
+        ->take_all()
+        ->type_name("TEXT");
 }
 
 Scene load_view(const std::string& name, const ViewOptions& options, unsigned width, unsigned height,
@@ -103,20 +122,23 @@ Scene load_view(const std::string& name, const ViewOptions& options, unsigned wi
                     "leave one of them out");
     FirstFrame alone;
     FirstFrame& frames = first ? *first : alone;
-    ViewChoice view;
-    view.aspect = float(width) / float(height);
-    view.camera = [&](const Scene& scene) {
+    ViewChoice choice;
+    choice.aspect = float(width) / float(height), choice.exposes = options.exposes;
+    choice.camera = [&](const Scene& scene) {
         if (scene.camera) return choose_camera(*scene.camera, options);
-        if (!frames.camera) frames.camera = automatic_camera(scene, flat_fov(options).value_or(40.f), view.aspect);
+        if (!frames.camera) frames.camera = automatic_camera(scene, flat_fov(options).value_or(40.f), choice.aspect);
         return choose_camera(*frames.camera, options);
     };
     const bool placed = options.camera || options.look_at || options.camera_end || options.look_at_end || options.up;
-    if (!placed && !options.ortho) view.inside = flat_fov(options).value_or(MayChoose{}.inside_fov);
-    Scene scene = load(name, options.load, options.lights, options.surfaces, view, &frames.light);
+    if (!placed && !options.ortho) choice.inside = flat_fov(options).value_or(MayChoose{}.inside_fov);
+    LoadOptions parts = options.load;
+    parts.live |= std::ranges::any_of(options.edits, view::moves_instance);
+    Scene scene = load(name, parts, options.lights, options.surfaces, choice, &frames.light);
     if (frames.camera) {  // which may be inside now
         frames.camera = scene.camera;
         scene.camera = choose_camera(*frames.camera, options);
     }
+    for (const std::string& edit : options.edits) apply(edit, scene);
     return scene;
 }
 

@@ -29,6 +29,8 @@ struct ViewOptions {
     LightOptions lights;
     SurfaceOptions surfaces;
     LoadOptions load;
+    std::vector<std::string> edits;  // --set
+    bool exposes = false;            // pictures take the exposure of a light that is chosen
 };
 
 /// An option of three numbers, X,Y,Z.
@@ -39,6 +41,11 @@ void add_view_options(CLI::App& command, ViewOptions& options);
 struct FirstFrame {
     std::optional<Camera> camera;
     std::optional<DefaultLight> light;
+
+    /// Of pictures whose exposure is not given; empty: the scene has light of its own.
+    [[nodiscard]] std::optional<float> exposure() const {
+        return light && light->any() ? std::optional(light->exposure) : std::nullopt;
+    }
 };
 
 /// Loads a scene with the lights and the camera of the command line. Prints warnings, and throws as `load` does.

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "claray/effects.hpp"
+#include "host/view/camera_control.hpp"
 #include "host/view/edit/values.hpp"
 #include "host/view/input.hpp"
 
@@ -113,7 +114,8 @@ Json camera_of_view(const Camera& camera) {
             {"aperture", camera.aperture_radius},
             {"focus", camera.focus_distance},
             {"height", camera.orthographic_height},
-            {"projection", traits_of(camera.projection)->name}};
+            {"projection", traits_of(camera.projection)->name},
+            {"options", options_of(camera)}};
 }
 
 /// The directions of an object's own axes.
@@ -135,7 +137,7 @@ std::string text_of(const Json& json) {
 
 }  // namespace
 
-std::string describe(const View& view) {
+std::string describe(const View& view, bool has_job) {
     const Scene& scene = view.scene();
     const ViewConfig& config = view.config();
     Json keys, curve = Json::array();
@@ -164,6 +166,7 @@ std::string describe(const View& view) {
                     {"keys", keys},
                     {"key_help", key_help},
                     {"mouse", {{"degrees", degrees_per_pixel}, {"zoom", zoom_per_step}, {"click", farthest_click}}},
+                    {"has_job", has_job},
                     {"run", view.state().run},
                     {"curve", curve}});
 }

@@ -161,8 +161,10 @@ void add_routes(HttpServer& server, Site& site, const WebConfig& config) {
         return HttpAnswer{.content = std::make_shared<const std::string>(site.exchange.status())};
     });
     server.get("/scene", [&](const HttpRequest&) { return made(site, Made::scene, "application/json"); });
-    server.get("/command-line", [&](const HttpRequest&) { return made(site, Made::command_line, "text/plain"); });
-    server.get("/job.json", [&](const HttpRequest&) { return made(site, Made::job, "application/json"); });
+    if (config.command_line)
+        server.get("/command-line", [&](const HttpRequest&) { return made(site, Made::command_line, "text/plain"); });
+    if (config.job)
+        server.get("/job.json", [&](const HttpRequest&) { return made(site, Made::job, "application/json"); });
     server.get("/picture.png", [&](const HttpRequest&) { return made(site, Made::picture, "image/png"); });
     server.post("/command", [&](const HttpRequest& request) { return command(site, request); });
     server.post("/steer", [&](const HttpRequest& request) {
@@ -215,10 +217,10 @@ public:
 
 private:
     void give_texts() {
-        if (exchange_.wants(Made::scene)) exchange_.give(Made::scene, describe(view_));
+        if (exchange_.wants(Made::scene)) exchange_.give(Made::scene, describe(view_, bool(config_.job)));
         for (const auto& [made, text] :
              {std::pair(Made::command_line, &config_.command_line), std::pair(Made::job, &config_.job)})
-            if (exchange_.wants(made)) exchange_.give(made, *text ? (*text)(view_) : "");
+            if (exchange_.wants(made)) exchange_.give(made, (*text)(view_));
     }
 
     /// Pages learn before that loading takes long.

@@ -50,7 +50,7 @@ const copy = async (text, what) => {
   }
 };
 const copyCommand = async () => copy(await link.text("command-line"), "the command line");
-const copyCamera = async () => copy((await link.text("command-line")).match(/--camera .*?(?= --size)/)?.[0] ?? "", "the camera");
+const copyCamera = () => copy(link.state.camera.options, "the camera");
 
 // Files arrive in pieces.
 const piece = 1 << 20;

@@ -222,12 +222,11 @@ export class Panel {
     const input = make("input", { id: "line", type: "text", placeholder: "orbit 30 0", "aria-label": "Command", spellcheck: false,
       onkeydown: e => { if (e.key === "Enter" && input.value.trim()) { this.link.line(input.value); input.select(); } } });
     const files = make("input", { type: "file", multiple: true, hidden: true, onchange: () => this.actions.open([...files.files]) });
+    this.jobs = [make("button", { onclick: this.actions.saveJob }, "Save a job file"), make("button", { onclick: this.actions.copyCommand }, "Copy the command line")];
     return [
       make("div", { class: "actions" },
         make("button", { onclick: () => files.click() }, "Open files"),
-        make("button", { onclick: this.actions.save }, "Save the picture"),
-        make("button", { onclick: this.actions.saveJob }, "Save a job file"),
-        make("button", { onclick: this.actions.copyCommand }, "Copy the command line"), files),
+        make("button", { onclick: this.actions.save }, "Save the picture"), ...this.jobs, files),
       make("div", { class: "row wide" }, make("label", { for: "line" }, "Command"), input), this.console];
   }
 
@@ -243,27 +242,30 @@ export class Panel {
     this.lightSection.hidden = !scene.lights.length;
     this.lights.fill(scene.lights.map((l, i) => ({ key: i, name: unused(l.name, `light ${i}`), more: l.kind })));
     this.undo.disabled = !scene.undo, this.redo.disabled = !scene.redo;
+    for (const button of this.jobs) button.hidden = !scene.has_job;
     this.exposure.set(scene.exposure);
     this.tone.select.value = scene.tone;
     if (!this.show.select.options.length) this.show.select.append(...scene.shows.map(name => make("option", { value: name }, label(name))));
-    this.#fillEffects(scene.effects);
+    this.#fillEffects(scene.effects, this.link.state?.measures);
     this.curve.begin(this.link.numbered(scene.run), scene.curve);
     this.shown = null;
     if (this.link.state) this.update(this.link.state);
   }
 
-  #fillEffects(effects) {
+  #fillEffects(effects, measures = false) {
+    this.measures = measures;
     this.effectSection.count.textContent = `${effects.length}`;
     const measured = effects.some(effect => "cost" in effect);
+    const unclear = effects.some(effect => effect.noise);
     const most = Math.max(0.01, ...effects.map(effect => effect.cost ?? 0));
     this.effects.replaceChildren(...effects.map(effect => {
       const fill = make("div", { class: "fill" });
       fill.style.width = `${100 * Math.max(0, effect.noise ? 0 : effect.cost ?? 0) / most}%`;
-      const figure = !("cost" in effect) ? (measured ? "needed" : "") : effect.noise ? "about 0" : percent(effect.cost);
+      const figure = measures ? "measuring" : !("cost" in effect) ? (measured ? "needed" : "") : effect.noise ? "unclear" : percent(effect.cost);
       return make("div", { class: "cost", title: `${effect.name}: ${effect.by}${effect.count > 1 ? ` and ${effect.count - 1} more` : ""}` },
         make("span", { class: "name" }, effect.name), make("div", { class: "track", "aria-hidden": "true" }, fill), make("span", { class: "figure" }, figure));
     }), make("div", { class: "actions" }, this.measure = make("button", { onclick: () => this.link.send("explain") }, measured ? "Measure again" : "Measure the cost")),
-    make("p", { class: "note" }, measured ? "Share of the time of a sample that each effect takes." : "Renders the scene with and without each effect. The first time the kernels are compiled, which takes a while."));
+    make("p", { class: "note" }, measures ? "Renders the scene with and without each effect." : measured ? `Share of the time of a sample that each effect takes.${unclear ? " Unclear: too small for the rounds to agree on; measure again while the computer does nothing else." : ""}` : "Renders the scene with and without each effect. The first time the kernels are compiled, which takes a while."));
   }
 
   /** What belongs to the last frame. */
@@ -278,6 +280,7 @@ export class Panel {
     if (!this.scene) return;
     this.aperture.set(state.camera.aperture / (this.scene.size * 0.02));
     for (const section of this.root.children) section.fields.disabled = !state.steers;
+    if (state.measures !== this.measures) this.#fillEffects(this.scene.effects, state.measures);
     this.measure.disabled = state.measures;
     this.objects.select(state.instance), this.materials.select(state.material), this.lights.select(state.light);
     const { materials, lights } = this.scene;
