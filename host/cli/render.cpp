@@ -21,6 +21,7 @@
 #include "host/cli/output/progress.hpp"
 #include "host/cli/output/render_outputs.hpp"
 #include "host/cli/picture/alpha.hpp"
+#include "host/cli/picture/film.hpp"
 #include "host/cli/picture/lens_options.hpp"
 #include "host/cli/ranks.hpp"
 
@@ -361,7 +362,7 @@ void refuse_several(const std::vector<Device>& devices, const RenderOptions& opt
     };
     if (options.fps > 0) refuse("--fps", "name one with --device, without mpirun");
     if (options.config.region.width > 0 && !options.animation)
-        refuse("--region", "name one with --device, without mpirun");
+        refuse("--region, or the crop of a file,", "name one with --device, without mpirun, or give --size");
     if (options.config.alpha) refuse("--alpha", "name one with --device, without mpirun");
     if (options.config.adaptive)
         refuse("--adaptive", "name one with --device, without mpirun, or leave out --adaptive");
@@ -379,6 +380,7 @@ void warn_of_missing_float64(const std::vector<Device>& devices) {
 }
 
 void render(RenderOptions options) {
+    use_film(options);
     if (is_other_rank())
         return serve_rank_0(
             options.device, options.wait_for_kernels ? "" : this_program(),
@@ -431,6 +433,7 @@ void add_render_command(CLI::App& app, Action& action) {
     command->callback([&action, command, options, job] {
         check_targets(*command, *options);
         options->asks_for_guiding = options->config.guide && command->count("--guide") > 0;
+        options->has_size = command->count("--size") > 0;
         check_render_options(*command);
         check_alpha_options(*command, *options);
         check_exposure_options(*command, *options);

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "claray/io.hpp"
+#include "host/io/scene_film.hpp"
 
 namespace claray {
 
@@ -37,6 +38,8 @@ struct SceneReader {
     std::optional<double> (*animation_seconds)(const std::filesystem::path&, const LoadOptions&) = nullptr;
     const char* remedy = "";    ///< without `load`: how to convert it
     bool states_light = false;  ///< its files state all of their light: claray adds none where there is any
+    /// Of formats whose files state a picture.
+    std::optional<SceneFilm> (*film)(const std::filesystem::path&) = nullptr;
 };
 
 /// All rows. The first that recognizes a file reads it.

@@ -24,6 +24,14 @@ protected:
         }));
     }
 
+    /// The scene of a file with this content, which is sound. `warnings` has those of this file only.
+    [[nodiscard]] Scene load_text(const std::string& name, const std::string& text) {
+        warnings.clear();
+        Scene scene = load_scene(folder.file(name, text).string(), warnings);
+        validate(scene);
+        return scene;
+    }
+
     TemporaryFolder folder;
     Warnings warnings;
 };

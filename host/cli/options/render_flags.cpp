@@ -76,7 +76,8 @@ void add_image_options(CLI::App& command, RenderOptions& o) {
                     "Output image by its extension (.png, .jpg, .webp, .hdr, .pfm or .exr), or - for standard output; "
                     "with --fps the last frame; with --frames also .y4m")
         ->type_name(file_value);
-    add_size_option(command, o.config.width, o.config.height, "WIDTHxHEIGHT in pixels [512x512]");
+    add_size_option(command, o.config.width, o.config.height,
+                    "WIDTHxHEIGHT in pixels [as a pbrt or Mitsuba file says, else 512x512]");
     add_alpha_options(command, o);
     add_exposure_option(command, o);
     add_exposure_options(command, o);

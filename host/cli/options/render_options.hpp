@@ -27,6 +27,7 @@ struct RenderOptions {
     ImageEncoding encoding;        // but for its format
     std::string device;
     RenderConfig config;
+    bool has_size = false;  // by --size
     ViewOptions view;
     std::optional<float> exposure;  // stops; empty: chosen if the surfaces would be mostly white or black
     bool auto_exposure = false;     // always chosen

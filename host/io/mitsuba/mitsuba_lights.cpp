@@ -1,4 +1,4 @@
-// Emitters, sensors and films of Mitsuba 3.
+// Emitters and sensors of Mitsuba 3.
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
@@ -13,6 +13,13 @@ namespace claray {
 namespace {
 
 double mitsuba_radians(double degrees) { return degrees * std::numbers::pi / 180; }
+
+/// The mean over cosines of what falls with the angle, from 1 to 0.
+double mean_falloff(double inner, double outer) {
+    const double angle = outer - inner, cosines = std::cos(inner) - std::cos(outer);
+    if (!(angle > 1e-6 && cosines > 0)) return 0.5;
+    return (angle * std::cos(inner) + std::sin(inner) - std::sin(outer)) / (angle * cosines);
+}
 
 /// Longitude along the width from -z over +x, latitude along the height from +y; the first and the last row are poles'.
 glm::dvec3 sphere_color(const Texture& image, const glm::dvec3& direction) {
@@ -50,9 +57,9 @@ void MitsubaScene::add_emitter(const MitsubaNode& emitter) {
     if (glm::length(along) > 0) light.direction = glm::vec3(glm::normalize(along));
     light.intensity = materials_.light(emitter, type == "directional" ? "irradiance" : "intensity", 1.f).factor;
     const double cutoff = emitter.number("cutoff_angle", 20);
-    light.outer_angle = float(mitsuba_radians(std::clamp(cutoff, 0.01, 89.9)));
-    light.inner_angle = float(mitsuba_radians(std::clamp(emitter.number("beam_width", cutoff * 0.75), 0.0, 89.9)));
-    light.inner_angle = std::min(light.inner_angle, light.outer_angle);
+    const double outside = mitsuba_radians(std::clamp(cutoff, 0.01, 89.9)),
+                 beam = mitsuba_radians(std::clamp(emitter.number("beam_width", cutoff * 0.75), 0.0, 89.9));
+    set_cone(light, std::min(beam, outside), outside, mean_falloff(std::min(beam, outside), outside));
     if (emitter.property("texture")) world_.warn("textures of spots are left out");
     world_.add(light);
 }
@@ -71,17 +78,6 @@ void MitsubaScene::add_image_light(const MitsubaNode& emitter) {
 }
 
 // ---- the camera
-
-void MitsubaScene::set_film(const MitsubaNode& sensor, View& view) {
-    view.width = 768, view.height = 576;
-    const MitsubaNode* film = materials_.child(sensor, "film");
-    if (!film) return;
-    view.width = film->number("width", 768), view.height = film->number("height", 576);
-    if (!(view.width >= 1 && view.height >= 1 && view.width <= 1e6 && view.height <= 1e6))
-        film->refuse("the picture has no sensible size", "give width and height");
-    if (film->property("crop_width") || film->property("crop_height"))
-        world_.warn("the crop of the picture is ignored");
-}
 
 void MitsubaScene::set_fov(const MitsubaNode& sensor, View& view) {
     if (const std::string focal = sensor.text("focal_length"); !focal.empty()) {
@@ -103,7 +99,9 @@ void MitsubaScene::set_fov(const MitsubaNode& sensor, View& view) {
 void MitsubaScene::set_camera(const MitsubaNode& sensor) {
     const std::string& type = sensor.type;
     View view;
-    set_film(sensor, view);
+    const MitsubaNode* stated = materials_.child(sensor, "film");
+    const SceneFilm film = stated ? film_of(*stated) : default_film;
+    view.width = film.width, view.height = film.height;
     set_fov(sensor, view);
     if (type == "orthographic") view.projection = Projection::orthographic;
     if (type != "orthographic" && type != "perspective" && type != "thinlens")

@@ -185,7 +185,7 @@ Alphas MitsubaMaterials::alphas(const MitsubaNode& bsdf, double otherwise) {
         return found.varies() ? world_.paints().changed(found, "luminance", luminance) : found;
     };
     const Paint both = scalar("alpha", Paint(float(otherwise)));
-    return {scalar("alpha_u", both), scalar("alpha_v", both)};
+    return {scalar("alpha_u", both), scalar("alpha_v", both), bsdf.text("distribution", "beckmann") == "beckmann"};
 }
 
 float MitsubaMaterials::ior(const MitsubaNode& bsdf, double inside) {
@@ -212,29 +212,27 @@ Look MitsubaMaterials::metal(const MitsubaNode& bsdf) {
     if (bsdf.property("eta")) conductor.eta = world_.paints().mean(paint(bsdf, "eta", Paint(0.f)));
     if (bsdf.property("k")) conductor.k = world_.paints().mean(paint(bsdf, "k", Paint(1.f)));
     const Paint tint = paint(bsdf, "specular_reflectance", Paint(1.f));
-    return metal_look(world_.paints(), world_.paints().product(Paint(schlick_color(conductor)), tint),
-                      alphas(bsdf, bsdf.type == "conductor" ? 0 : 0.1));
+    return metal_look(world_.paints(), Paint(schlick_color(conductor)),
+                      alphas(bsdf, bsdf.type == "conductor" ? 0 : 0.1), tint);
 }
 
 /// Disney's parameters (Burley 2012, 2015) as glTF's: its coat has a quarter of the strength.
 Look MitsubaMaterials::principled(const MitsubaNode& bsdf) {
-    Look look;
-    Material& m = look.material;
-    m.kind = MaterialKind::principled;
-    set_albedo(m, world_.paints(), paint(bsdf, "base_color", Paint(0.5f)));
+    const Paint base = paint(bsdf, "base_color", Paint(0.5f));
     const auto number = [&](std::string_view name, float otherwise) {
         return std::clamp(world_.paints().mean(paint(bsdf, name, Paint(otherwise))).x, 0.f, 1.f);
     };
     const float aspect = std::sqrt(1 - 0.9f * number("anisotropic", 0.f));
     const auto widened = [](float by) { return [by](const glm::vec3& r) { return glm::clamp(r * r * by, 0.f, 1.f); }; };
     const Paint roughness = paint(bsdf, "roughness", Paint(0.5f));
-    set_roughness(m, world_.paints(),
-                  {world_.paints().changed(roughness, "squared along", widened(1 / aspect)),
-                   world_.paints().changed(roughness, "squared across", widened(aspect))});
-    m.metallic = number("metallic", 0.f), m.transmission = number("spec_trans", 0.f);
-    if (m.metallic_roughness_map.used() && bsdf.property("metallic") && m.metallic == 0.f) m.metallic = 0.f;
+    const Alphas lobes{world_.paints().changed(roughness, "squared along", widened(1 / aspect)),
+                       world_.paints().changed(roughness, "squared across", widened(aspect))};
     const float specular = number("specular", 0.5f), root = std::sqrt(0.08f * specular);
-    m.ior = std::clamp(float(bsdf.number("eta", (1 + root) / (1 - root))), 1.f, 10.f);
+    const float ior = std::clamp(float(bsdf.number("eta", (1 + root) / (1 - root))), 1.f, 10.f);
+    Look look = burley_look(world_.paints(), base, number("metallic", 0.f), ior, lobes);
+    Material& m = look.material;
+    m.transmission = number("spec_trans", 0.f);
+    if (m.transmission > 0.f) set_albedo(m, world_.paints(), base);
     m.clearcoat = 0.25f * number("clearcoat", 0.f);
     m.clearcoat_roughness = std::sqrt(std::clamp(0.1f + number("clearcoat_gloss", 0.f) * (0.001f - 0.1f), 0.f, 1.f));
     const float sheen = number("sheen", 0.f);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "host/io/mitsuba/mitsuba_node.hpp"
+#include "host/io/scene_film.hpp"
 #include "host/io/world/world.hpp"
 
 namespace claray {
@@ -40,6 +41,10 @@ private:
     std::map<const MitsubaNode*, std::size_t> looks_;
 };
 
+inline constexpr SceneFilm default_film{768, 576};
+/// What a film's element states.
+[[nodiscard]] SceneFilm film_of(const MitsubaNode& film);
+
 /// Follows the objects and fills a World. The world is mirrored where the camera is.
 class MitsubaScene {
 public:
@@ -49,7 +54,6 @@ public:
 
 private:
     void set_camera(const MitsubaNode& sensor);
-    void set_film(const MitsubaNode& sensor, View& view);
     void set_fov(const MitsubaNode& sensor, View& view);
 
     void add_emitter(const MitsubaNode& emitter);

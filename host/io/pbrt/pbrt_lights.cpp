@@ -36,10 +36,11 @@ void PbrtScene::add_light() {
         return world_.add(light);
     }
     const double cone = p.number("coneangle", 30), delta = p.number("conedeltaangle", 5);
-    light.outer_angle = float(pbrt_radians(std::clamp(cone, 0.01, 89.9)));
-    light.inner_angle = float(pbrt_radians(std::clamp(cone - delta, 0.0, 89.9)));
+    const double outside = pbrt_radians(std::clamp(cone, 0.01, 89.9)),
+                 inside = std::min(pbrt_radians(std::clamp(cone - delta, 0.0, 89.9)), outside);
+    set_cone(light, inside, outside, 0.5);  // the mean of pbrt's smooth step
     if (const double power = p.number("power", -1); power > 0) {
-        const double inner = std::cos(light.inner_angle), outer = std::cos(light.outer_angle);
+        const double inner = std::cos(inside), outer = std::cos(outside);
         const double steradians =
             kind == "spot" ? 2 * std::numbers::pi * ((1 - inner) + (inner - outer) / 2) : 4 * std::numbers::pi;
         light.intensity *= float(power / steradians);

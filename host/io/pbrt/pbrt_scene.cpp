@@ -207,14 +207,8 @@ PbrtParameters PbrtScene::parameters_of(const std::string& target) {
 // ---- the camera
 
 void PbrtScene::set_film() {
-    (void)tokens_.next_text();
-    const PbrtParameters p = PbrtParameters::read(tokens_);
-    const double width = p.number("xresolution", 1280), height = p.number("yresolution", 720);
-    if (!(width >= 1 && height >= 1 && width <= 1e6 && height <= 1e6))
-        tokens_.refuse("the picture has no sensible size", "give xresolution and yresolution");
-    view_.width = width, view_.height = height;
-    for (const char* crop : {"cropwindow", "pixelbounds"})
-        if (p.find(crop)) world_.warn("the crop of the picture is ignored");
+    const SceneFilm film = next_film(tokens_);
+    view_.width = film.width, view_.height = film.height;
 }
 
 void PbrtScene::set_camera() {

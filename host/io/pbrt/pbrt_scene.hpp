@@ -4,8 +4,12 @@
 #include <map>
 
 #include "host/io/pbrt/pbrt_materials.hpp"
+#include "host/io/scene_film.hpp"
 
 namespace claray {
+
+/// The film of a statement whose first word was read. Its exposure is that of the film's speed alone.
+[[nodiscard]] SceneFilm next_film(PbrtTokens& tokens);
 
 /// Follows the statements and fills a World. pbrt's cameras look along +z with +x to the right, which mirrors a scene
 /// in right-handed coordinates; the whole world is mirrored where the camera itself is not.

@@ -40,8 +40,9 @@ float pane_ior(float ior) {
 
 constexpr double least_rough = 1e-3;  // alpha of facets that lose some light
 
-double mean_alpha(Paints& paints, const Alphas& alphas) {
-    return std::sqrt(double(share(paints.mean(alphas.u).x)) * double(share(paints.mean(alphas.v).x)));
+Facets mean_facets(Paints& paints, const Alphas& alphas) {
+    return {std::sqrt(double(share(paints.mean(alphas.u).x)) * double(share(paints.mean(alphas.v).x))),
+            alphas.beckmann};
 }
 
 /// The same surface as parameters of a principled material.
@@ -71,7 +72,9 @@ void set_albedo(Material& material, Paints& paints, const Paint& paint) {
     material.albedo_map = sound.use;
 }
 
-void set_roughness(Material& material, Paints& paints, const Alphas& alphas) {
+void set_roughness(Material& material, Paints& paints, const Alphas& of_file) {
+    Alphas alphas = of_file;
+    if (alphas.beckmann) alphas.u.factor *= ggx_of_beckmann, alphas.v.factor *= ggx_of_beckmann;
     if (alphas.u.varies()) {
         const Paint roughness = paints.changed(alphas.u, "sqrt", roughness_of_alphas);
         material.metallic_roughness_map = paints.roughness_map(roughness);
@@ -111,11 +114,11 @@ Look plastic_look(Paints& paints, const Paint& reflectance, float ior, const Alp
     m.kind = MaterialKind::principled;
     m.ior = sound_ior(ior);
     Paint base = paints.albedo(reflectance);
-    const double alpha = mean_alpha(paints, alphas);
-    if (tinted || alpha >= least_rough) {
-        const RoughBase below(m.ior, alpha, tinted);
+    const Facets facets = mean_facets(paints, alphas);
+    if (tinted || facets.alpha >= least_rough) {
+        const RoughBase below(m.ior, facets, tinted);
         base = paints.changed(
-            base, printed("below %g %g %d", double(m.ior), alpha, int(tinted)),
+            base, printed("below %g %g %d %d", double(m.ior), facets.alpha, int(facets.beckmann), int(tinted)),
             [&](const glm::vec3& c) { return glm::vec3(below.albedo(c.x), below.albedo(c.y), below.albedo(c.z)); });
     }
     set_albedo(m, paints, base);
@@ -123,11 +126,43 @@ Look plastic_look(Paints& paints, const Paint& reflectance, float ior, const Alp
     return look;
 }
 
-Look metal_look(Paints& paints, const Paint& color, const Alphas& alphas) {
+namespace {
+
+/// A metal of claray reflects all light at grazing angles. The border of a dielectric on a black base does so times
+/// a weight (KHR_materials_specular), and loses what facets scatter more than once.
+Look tinted_metal(Paints& paints, const glm::vec3& color, const Alphas& alphas, const Paint& tint) {
+    Look look;
+    Material& m = look.material;
+    m.kind = MaterialKind::principled;
+    m.albedo = glm::vec3(0.f);
+    glm::vec3 shade(1.f);
+    if (tint.varies()) {
+        m.specular_map = m.specular_weight_map = paints.strength_map(tint);
+    } else {
+        m.specular_weight = std::max({tint.factor.x, tint.factor.y, tint.factor.z});
+        if (m.specular_weight > 0.f) shade = tint.factor / m.specular_weight;
+    }
+    if (const Facets facets = mean_facets(paints, alphas); facets.beckmann && facets.alpha >= least_rough) {
+        const double kept = kept_by_facets(facets) / kept_by_facets(shown(facets));
+        m.specular_weight = std::min(m.specular_weight * float(kept), 1.f);
+    }
+    const float root = (m.ior - 1) / (m.ior + 1);
+    m.specular_tint = color * shade / (root * root);
+    set_roughness(m, paints, alphas);
+    m.metallic = 0.f;
+    return look;
+}
+
+}  // namespace
+
+Look metal_look(Paints& paints, const Paint& color, const Alphas& alphas, const Paint& tint) {
+    if (tint.varies() || tint.factor != glm::vec3(1.f))
+        return tinted_metal(paints, paints.mean(color), alphas, paints.albedo(tint));
     Look look;
     look.material.kind = MaterialKind::metal;
     look.material.metallic = 1.f;
-    const double alpha = mean_alpha(paints, alphas), kept = alpha < least_rough ? 1 : kept_by_facets(alpha);
+    const Facets facets = mean_facets(paints, alphas);
+    const double kept = facets.alpha < least_rough ? 1 : kept_by_facets(facets);
     const auto darkened = [kept](const glm::vec3& c) {
         return glm::vec3(darkened_metal(c.x, kept), darkened_metal(c.y, kept), darkened_metal(c.z, kept));
     };
@@ -137,16 +172,37 @@ Look metal_look(Paints& paints, const Paint& color, const Alphas& alphas) {
     return look;
 }
 
+/// Its metal loses light as rough metals do, and its diffuse lobe is not dimmed by what the border reflects.
+Look burley_look(Paints& paints, const Paint& base, float metallic, float ior, const Alphas& alphas) {
+    Look look;
+    Material& m = look.material;
+    m.kind = MaterialKind::principled;
+    m.metallic = share(metallic), m.ior = sound_ior(ior);
+    const Facets facets{std::max(mean_facets(paints, alphas).alpha, least_rough), alphas.beckmann};
+    const double kept = kept_by_facets(facets),
+                 brighter = burley_diffuse(std::sqrt(facets.alpha)) / (1 - rough_border(m.ior, facets).reflected);
+    const auto albedo = [&](float c) {
+        return glm::mix(std::min(c * float(brighter), 1.f), darkened_metal(c, kept), m.metallic);
+    };
+    const Paint sound = paints.albedo(base);
+    set_albedo(m, paints,
+               paints.changed(sound, printed("burley %g %g %g", double(m.metallic), kept, brighter),
+                              [&](const glm::vec3& c) { return glm::vec3(albedo(c.x), albedo(c.y), albedo(c.z)); }));
+    set_roughness(m, paints, alphas);
+    return look;
+}
+
 Look glass_look(Paints& paints, float ior, const Alphas& alphas, const Paint& tint) {
     Look look;
     Material& m = look.material;
     m.kind = MaterialKind::glass;
     m.ior = sound_ior(ior);
-    const double alpha = mean_alpha(paints, alphas);
+    const Facets facets = mean_facets(paints, alphas);
     Paint passed = paints.albedo(tint);
-    if (alpha >= least_rough) {
-        const RoughBorder border = rough_border(m.ior, alpha);
-        passed.factor *= float(border.passed / (1 - border.reflected));
+    if (facets.alpha >= least_rough) {
+        const RoughBorder border = rough_border(m.ior, facets);
+        const double reflected = facets.beckmann ? rough_border(m.ior, shown(facets)).reflected : border.reflected;
+        passed.factor *= float(border.passed / (1 - reflected));
     }
     set_albedo(m, paints, passed);
     set_roughness(m, paints, alphas);

@@ -86,29 +86,29 @@ Paint Paints::image(const std::string& name, const TextureSettings& settings) {
     return paint;
 }
 
-Paint Paints::baked(const std::string& key, const TextureUse& like, unsigned width, unsigned height,
-                    const std::function<glm::vec3(const glm::dvec2&)>& at) {
+Paint Paints::baked(const std::string& key, const TextureUse& like, unsigned width, unsigned height, unsigned channels,
+                    const std::function<glm::vec4(const glm::dvec2&)>& at) {
     TextureSettings settings;
     if (like.used()) settings = settings_of(scene_.textures[like.texture]);
     const auto make = [&](TexelFormat format, std::size_t room) -> std::optional<Texture> {
         Texture texture;
-        texture.name = key, texture.width = width, texture.height = height, texture.channels = 3;
+        texture.name = key, texture.width = width, texture.height = height, texture.channels = channels;
         texture.format = format;
-        const std::size_t values = std::size_t(width) * height * 3;
+        const std::size_t values = std::size_t(width) * height * channels;
         if (values * (format == TexelFormat::float32 ? sizeof(float) : 1) > room) {
             warnings_.push_back("'" + path_.string() + "': its textures need too much memory, and some are grey");
             return {};
         }
         for (unsigned y = 0; y < height; ++y) {
             for (unsigned x = 0; x < width; ++x) {
-                const glm::vec3 color = at({(x + 0.5) / width, (y + 0.5) / height});
-                for (int k = 0; k < 3; ++k) {
+                const glm::vec4 color = at({(x + 0.5) / width, (y + 0.5) / height});
+                for (int k = 0; k < int(channels); ++k) {
                     if (format == TexelFormat::float32) {
                         texture.floats.push_back(color[k]);
                         continue;
                     }
                     const float c = std::clamp(color[k], 0.f, 1.f);
-                    const float stored = format == TexelFormat::srgb8 ? srgb_of_linear(c) : c;
+                    const float stored = format == TexelFormat::srgb8 && k < 3 ? srgb_of_linear(c) : c;
                     texture.bytes.push_back(std::uint8_t(std::lround(255 * stored)));
                 }
             }
@@ -190,6 +190,18 @@ glm::vec3 Paints::mean(const Paint& paint) const {
     glm::dvec3 sum(0.0);
     for (std::size_t i = 0; i < texels; ++i) sum += glm::dvec3(texel(texture, i));
     return paint.factor * glm::vec3(sum / double(texels));
+}
+
+TextureUse Paints::strength_map(const Paint& color) {
+    const unsigned width = scene_.textures[color.use.texture].width, height = scene_.textures[color.use.texture].height;
+    const Texels at = texels(color, color.use);
+    return baked("strength(" + text_of_paint(color) + ")", color.use, width, height, 4,
+                 [&](const glm::dvec2& place) {
+                     const glm::vec3 c = at(place);
+                     const float strength = std::max({c.x, c.y, c.z});
+                     return strength > 0.f ? glm::vec4(c / strength, strength) : glm::vec4(1.f, 1.f, 1.f, 0.f);
+                 })
+        .use;
 }
 
 TextureUse Paints::roughness_map(const Paint& roughness) {

@@ -39,6 +39,8 @@ public:
     [[nodiscard]] Paint albedo(const Paint& paint);
     /// The mean over the image.
     [[nodiscard]] glm::vec3 mean(const Paint& paint) const;
+    /// As Material::specular_map and specular_weight_map read it: the colour over its largest channel, which is alpha.
+    [[nodiscard]] TextureUse strength_map(const Paint& color);
     /// As Material::metallic_roughness_map reads it: the roughness to be shown, 0..1, and metal everywhere.
     [[nodiscard]] TextureUse roughness_map(const Paint& roughness);
 
@@ -50,7 +52,11 @@ private:
     /// Where the paint is looked up: its own image if it has the coordinates of `like`, else its mean, with a warning.
     [[nodiscard]] Texels texels(const Paint& paint, const TextureUse& like);
     [[nodiscard]] Paint baked(const std::string& key, const TextureUse& like, unsigned width, unsigned height,
-                              const std::function<glm::vec3(const glm::dvec2&)>& at);
+                              const std::function<glm::vec3(const glm::dvec2&)>& at) {
+        return baked(key, like, width, height, 3, [&](const glm::dvec2& place) { return glm::vec4(at(place), 1.f); });
+    }
+    [[nodiscard]] Paint baked(const std::string& key, const TextureUse& like, unsigned width, unsigned height,
+                              unsigned channels, const std::function<glm::vec4(const glm::dvec2&)>& at);
 
     std::filesystem::path path_;
     Scene& scene_;

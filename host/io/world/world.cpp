@@ -76,6 +76,14 @@ double vertical_fov(const View& view) {
 
 }  // namespace
 
+/// The square of a line in the cosine has the mean 1/3.
+void set_cone(Light& light, double inner, double outer, double share) {
+    const double from = std::cos(inner), to = std::cos(outer);
+    const double equal = 1.5 * (from - share * (from - to) - to / 3);
+    light.outer_angle = float(outer);
+    light.inner_angle = std::min(float(std::acos(std::clamp(equal, to, 1.0))), light.outer_angle);
+}
+
 World::World(const std::filesystem::path& path, Warnings& warnings)
     : path_(path), warnings_(warnings), paints_(path, scene_, warnings) {
     scene_.name = path.stem().string();

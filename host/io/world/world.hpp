@@ -14,6 +14,11 @@ struct Glow {
     bool both_sides = false;
 };
 
+/// Gives a spot the cone from `inner` to `outer`, in radians, between which a file's falloff has the mean `share` over
+/// cosines. claray's falls off in another way (KHR_lights_punctual): its inner angle is that with which the light has
+/// as much power.
+void set_cone(Light& light, double inner, double outer, double share);
+
 /// A direction to the radiance that comes from there.
 using Radiance = std::function<glm::dvec3(const glm::dvec3& direction)>;
 

@@ -53,6 +53,31 @@ TEST_F(PictureOptions, RegionIsAPartOfTheImage) {
     EXPECT_TRUE(failed_with(render("cornell", "a.png", {"--full-frame"}), 2, "--region"));
 }
 
+/// A pbrt file's picture has its size, its crop and its exposure, unless options tell others.
+TEST_F(PictureOptions, FilmOfAFile) {
+    const std::string scene = path("film.pbrt");
+    std::ofstream(scene) << "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 30 "
+                            "\"float cropwindow\" [0.25 0.5 0.2 0.7] \"float iso\" 50\n"
+                            "Camera \"perspective\"\nWorldBegin\nLightSource \"infinite\"\nTranslate 0 0 3\n"
+                            "Shape \"sphere\"\n";
+    const auto picture = [&](const std::vector<std::string>& options) {
+        const ProcessResult result =
+            run_claray(with({"render", scene, "-o", path("a.png"), "--spp", "4", "--tone-map", "none"}, options));
+        EXPECT_EQ(result.exit_code, 0) << result.errors;
+        Texture image = load_image(path("a.png"));
+        return std::pair(glm::uvec2(image.width, image.height), int(image.bytes.at(0)));
+    };
+    const int half = 188, full = 255;  // of the sky of radiance 1: sRGB of 0.5
+    EXPECT_EQ(picture({}), std::pair(glm::uvec2(10, 15), half));
+    EXPECT_EQ(picture({"--exposure", "0"}), std::pair(glm::uvec2(10, 15), full));
+    EXPECT_EQ(picture({"--region", "0,0,2,3"}), std::pair(glm::uvec2(2, 3), half));
+    EXPECT_EQ(picture({"--size", "16x8"}), std::pair(glm::uvec2(16, 8), half));
+    EXPECT_EQ(picture({"--denoise=claray"}), std::pair(glm::uvec2(40, 30), half));
+    std::ofstream(scene) << "Film \"rgb\" \"integer xresolution\" 20000\nWorldBegin\nShape \"sphere\"\n";
+    const ProcessResult large = run_claray({"render", scene, "-o", path("a.png")});
+    EXPECT_TRUE(failed_with(large, 2, "20000x720"));
+}
+
 TEST_F(PictureOptions, AlphaIsStraightInAPngAndPremultipliedInAnExr) {
     const std::vector<std::string> options = {"--alpha", "--sky",      "0.4,0.4,0.4", "--exposure",
                                               "0",       "--tone-map", "none"};

@@ -4,12 +4,17 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/io/scene_film.hpp"
+#include "host/io/world/rough.hpp"
 #include "tests/io/expect_error.hpp"
+#include "tests/io/world/spot_power.hpp"
 
 namespace claray {
 namespace {
 
 using test::expect_error;
+using test::power_between;
+using test::power_of_spot;
 
 const std::string square = "<shape type='rectangle'/>";
 const std::string around = "<emitter type='constant'><rgb name='radiance' value='1'/></emitter>";
@@ -17,11 +22,7 @@ const std::string around = "<emitter type='constant'><rgb name='radiance' value=
 class Mitsuba : public test::ReaderTest {
 protected:
     Scene load(const std::string& body, const std::string& version = "3.0.0") {
-        warnings.clear();
-        const std::string text = "<scene version='" + version + "'>\n" + body + around + "</scene>\n";
-        Scene scene = load_scene(folder.file("scene.xml", text).string(), warnings);
-        validate(scene);
-        return scene;
+        return load_text("scene.xml", "<scene version='" + version + "'>\n" + body + around + "</scene>\n");
     }
     Material material(const std::string& bsdf, const std::string& version = "3.0.0") {
         return load("<shape type='rectangle'>" + bsdf + "</shape>", version).materials.at(0);
@@ -50,6 +51,27 @@ TEST_F(Mitsuba, CameraSeesItsFieldOfViewAlongTheWidth) {
     EXPECT_EQ(camera.focus_distance, 4.f);
     EXPECT_NEAR(with("<string name='fov_axis' value='y'/>").vertical_fov, 60, 1e-4);
     EXPECT_NEAR(with("<string name='fov_axis' value='smaller'/>").vertical_fov, 60, 1e-4);
+}
+
+TEST_F(Mitsuba, Film) {
+    const auto film = [&](const std::string& sensor) {
+        return film_of(folder.file("film.xml", "<scene version='0.5.0'>" + sensor + "</scene>"));
+    };
+    EXPECT_FALSE(film("<sensor type='perspective'/>"));
+    const auto plain = film("<sensor type='perspective'><film type='hdrfilm'/></sensor>").value();
+    EXPECT_EQ(glm::uvec2(plain.width, plain.height), glm::uvec2(768, 576));
+    EXPECT_FALSE(plain.is_part() || plain.exposure);
+    const auto part =
+        film(
+            "<film type='ldrfilm' id='f'><integer name='width' value='100'/><integer name='height' value='50'/>"
+            "<integer name='cropOffsetX' value='10'/><integer name='cropWidth' value='30'/>"
+            "<float name='exposure' value='1.5'/></film><sensor type='perspective'><ref id='f'/></sensor>")
+            .value();
+    EXPECT_EQ(glm::uvec4(part.x, part.y, part.part_width, part.part_height), glm::uvec4(10, 0, 30, 50));
+    EXPECT_EQ(part.exposure, 1.5f);
+    expect_error(ErrorKind::user, {"film.xml", "no pixel"}, [&] {
+        (void)film("<sensor type='a'><film type='hdrfilm'><integer name='crop_width' value='0'/></film></sensor>");
+    });
 }
 
 TEST_F(Mitsuba, CameraThatMirrorsMirrorsTheWorld) {
@@ -94,7 +116,11 @@ TEST_F(Mitsuba, Lights) {
     ASSERT_EQ(scene.lights.size(), 3u);
     EXPECT_EQ(scene.lights[0].position, glm::vec3(1, 2, 3));
     EXPECT_EQ(scene.lights[0].intensity, glm::vec3(5));
-    EXPECT_NEAR(scene.lights[1].inner_angle, 30 * std::numbers::pi / 180, 1e-6);
+    EXPECT_NEAR(scene.lights[1].outer_angle, 40 * std::numbers::pi / 180, 1e-6);
+    const double beam = 30 * std::numbers::pi / 180, cutoff = 40 * std::numbers::pi / 180;
+    EXPECT_NEAR(power_of_spot(scene.lights[1]),
+                power_between(cutoff, [&](double angle) { return std::min(1.0, (cutoff - angle) / (cutoff - beam)); }),
+                1e-5);
     EXPECT_EQ(scene.lights[2].direction, glm::vec3(0, -1, 0));
     EXPECT_EQ(scene.sky.zenith, glm::vec3(1.f));
     EXPECT_EQ(warned("emitters 'sunsky' are left out"), 1u);
@@ -110,6 +136,57 @@ TEST_F(Mitsuba, ConstantSpectraOfLight) {
     EXPECT_NEAR(light.y, 2 * 0.948f, 0.01f);
     EXPECT_NEAR(light.z, 2 * 0.909f, 0.01f);
     EXPECT_EQ(intensity("<rgb name='intensity' value='2'/>"), glm::vec3(2.f));
+}
+
+/// What a tint takes from a metal it takes at all angles: KHR_materials_specular scales F0 and F90.
+TEST_F(Mitsuba, TintedMetals) {
+    const auto metal = [&](const std::string& more) {
+        return material(
+            "<bsdf type='roughconductor'><string name='material' value='none'/><float name='alpha' "
+            "value='0.25'/><string name='distribution' value='ggx'/>" +
+            more + "</bsdf>");
+    };
+    EXPECT_EQ(int(metal("").kind), int(MaterialKind::metal));
+    const Material tinted = metal("<rgb name='specular_reflectance' value='0.4, 0.2, 0.1'/>");
+    EXPECT_EQ(int(tinted.kind), int(MaterialKind::principled));
+    EXPECT_EQ(tinted.albedo, glm::vec3(0.f));
+    EXPECT_EQ(tinted.metallic, 0.f);
+    EXPECT_FLOAT_EQ(tinted.roughness, 0.5f);
+    const float root = (tinted.ior - 1) / (tinted.ior + 1);
+    EXPECT_FLOAT_EQ(tinted.specular_weight, 0.4f);
+    EXPECT_LT(glm::length(tinted.specular_tint * root * root - glm::vec3(1.f, 0.5f, 0.25f)), 1e-6f);
+    const Scene board = load(
+        "<shape type='rectangle'><bsdf type='conductor'><texture type='checkerboard' "
+        "name='specular_reflectance'><rgb name='color0' value='0.8'/><rgb name='color1' "
+        "value='0.2'/></texture></bsdf></shape>");
+    const TextureUse& weights = board.materials.at(0).specular_weight_map;
+    ASSERT_TRUE(weights.used());
+    const Texture& image = board.textures.at(weights.texture);
+    ASSERT_EQ(image.channels, 4u);
+    EXPECT_EQ(int(image.bytes.at(3)), 204);
+    EXPECT_EQ(int(image.bytes.at(4 * (image.width - 1) + 3)), 51);
+    EXPECT_EQ(int(image.bytes.at(0)), 255);
+}
+
+/// Its metal is darkened by what facets lose, and its diffuse lobe brightened by what claray's border keeps from it.
+TEST_F(Mitsuba, PrincipledColors) {
+    const auto albedo = [&](const std::string& metallic) {
+        return material(
+                   "<bsdf type='principled'><rgb name='base_color' value='0.5'/><float name='roughness' "
+                   "value='0.8'/><float name='metallic' value='" +
+                   metallic + "'/></bsdf>")
+            .albedo.x;
+    };
+    const Facets facets{0.64};
+    EXPECT_NEAR(albedo("1"), darkened_metal(0.5f, kept_by_facets(facets)), 1e-6f);
+    EXPECT_NEAR(albedo("0"), 0.5 * burley_diffuse(0.8) / (1 - rough_border(1.5, facets).reflected), 1e-5);
+    EXPECT_NEAR(albedo("0.25"), 0.75f * albedo("0") + 0.25f * albedo("1"), 1e-6f);
+}
+
+/// Half of Beckmann's facets are as steep as of GGX with 0.83 times its alpha.
+TEST_F(Mitsuba, LobesOfBeckmann) {
+    EXPECT_NEAR(material("<bsdf type='roughconductor'><float name='alpha' value='0.2'/></bsdf>").roughness,
+                std::sqrt(0.2 * std::sqrt(std::log(2.0))), 1e-6);
 }
 
 TEST_F(Mitsuba, ImagesAroundTheScene) {
@@ -139,9 +216,11 @@ TEST_F(Mitsuba, Bsdfs) {
     EXPECT_EQ(linear.albedo, glm::vec3(0.5f));
     EXPECT_LT(tinted.albedo.x, 0.35f);
     EXPECT_NEAR(linear.ior, 1.49f / 1.000277f, 1e-5);
-    EXPECT_FLOAT_EQ(material("<bsdf type='roughplastic'/>").roughness, std::sqrt(0.1f));
-    const Material copper = material(
-        "<bsdf type='roughconductor'><string name='material' value='Cu'/><float name='alpha' value='0.25'/></bsdf>");
+    const std::string ggx = "<string name='distribution' value='ggx'/>";
+    EXPECT_FLOAT_EQ(material("<bsdf type='roughplastic'>" + ggx + "</bsdf>").roughness, std::sqrt(0.1f));
+    const Material copper =
+        material("<bsdf type='roughconductor'><string name='material' value='Cu'/><float name='alpha' value='0.25'/>" +
+                 ggx + "</bsdf>");
     EXPECT_EQ(int(copper.kind), int(MaterialKind::metal));
     EXPECT_FLOAT_EQ(copper.roughness, 0.5f);
     EXPECT_GT(copper.albedo.x, copper.albedo.z);
@@ -173,7 +252,8 @@ TEST_F(Mitsuba, Bsdfs) {
 /// An anisotropic lobe: claray's wider alpha is mix(roughness^2, 1, anisotropy^2).
 TEST_F(Mitsuba, StretchedLobes) {
     const Material m = material(
-        "<bsdf type='roughconductor'><float name='alpha_u' value='0.1'/><float name='alpha_v' value='0.3'/></bsdf>");
+        "<bsdf type='roughconductor'><string name='distribution' value='ggx'/><float name='alpha_u' value='0.1'/>"
+        "<float name='alpha_v' value='0.3'/></bsdf>");
     const float alpha = m.roughness * m.roughness;
     EXPECT_NEAR(alpha, 0.1f, 1e-6f);
     EXPECT_NEAR(alpha + m.anisotropy * m.anisotropy * (1 - alpha), 0.3f, 1e-6f);

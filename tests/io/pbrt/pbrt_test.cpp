@@ -2,23 +2,22 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/io/scene_film.hpp"
 #include "tests/io/expect_error.hpp"
+#include "tests/io/world/spot_power.hpp"
 
 namespace claray {
 namespace {
 
 using test::expect_error;
+using test::power_between;
+using test::power_of_spot;
 
 const std::string triangle = "Shape \"trianglemesh\" \"point3 P\" [0 0 0  1 0 0  0 1 0] \"integer indices\" [0 1 2]\n";
 
 class Pbrt : public test::ReaderTest {
 protected:
-    Scene load(const std::string& text) {
-        warnings.clear();
-        Scene scene = load_scene(folder.file("scene.pbrt", text).string(), warnings);
-        validate(scene);
-        return scene;
-    }
+    Scene load(const std::string& text) { return load_text("scene.pbrt", text); }
     Scene world(const std::string& text) { return load("WorldBegin\nLightSource \"infinite\"\n" + text); }
     Material material(const std::string& text) { return world(text + triangle).materials.at(0); }
     void refuses(const std::string& text, const std::vector<std::string>& words) {
@@ -40,6 +39,29 @@ TEST_F(Pbrt, CameraOfLookAtMirrorsTheWorld) {
     EXPECT_EQ(bounds_of(scene).lo.x, -3.f);
     EXPECT_EQ(scene.environment.images.size(), 0u);
     EXPECT_EQ(scene.sky.horizon, glm::vec3(1.f));
+}
+
+/// pbrt-v4: the picture is multiplied by the seconds of the exposure and by ISO / 100.
+TEST_F(Pbrt, Film) {
+    const auto film = [&](const std::string& text) {
+        return film_of(folder.file("film.pbrt", text + "\nWorldBegin\nFilm \"rgb\" \"integer xresolution\" 7\n"));
+    };
+    EXPECT_FALSE(film("Camera \"perspective\" \"float shutterclose\" 8"));
+    const auto plain = film("Film \"rgb\" \"integer yresolution\" [300]").value();
+    EXPECT_EQ(glm::uvec2(plain.width, plain.height), glm::uvec2(1280, 300));
+    EXPECT_FALSE(plain.is_part() || plain.exposure);
+    const std::string small = "Film \"rgb\" \"integer xresolution\" 100 \"integer yresolution\" 50 ";
+    const auto crop = [&](const std::string& text) {
+        const SceneFilm part = film(small + text).value();
+        return glm::uvec4(part.x, part.y, part.part_width, part.part_height);
+    };
+    EXPECT_EQ(crop("\"float cropwindow\" [0.125 0.5 0 0.1]"), glm::uvec4(13, 0, 37, 5));  // edges are rounded up
+    EXPECT_EQ(crop("\"float cropwindow\" [0 1 -1 2]"), glm::uvec4(0));                    // all of it
+    EXPECT_EQ(crop("\"integer pixelbounds\" [10 200 20 30]"), glm::uvec4(10, 20, 90, 10));
+    expect_error(ErrorKind::user, {"film.pbrt", "line 1", "no pixel"},
+                 [&] { (void)film(small + "\"float cropwindow\" [.5 .5 0 1]"); });
+    folder.file("camera.pbrt", "Camera \"perspective\" \"float shutteropen\" 1 \"float shutterclose\" 1.5");
+    EXPECT_FLOAT_EQ(film("Include \"camera.pbrt\"\n" + small + "\"float iso\" 1600")->exposure.value(), 3.f);
 }
 
 TEST_F(Pbrt, CameraOfAMirroringTransformLeavesTheWorld) {
@@ -94,7 +116,13 @@ TEST_F(Pbrt, Lights) {
     EXPECT_EQ(scene.lights[0].intensity, glm::vec3(2, 4, 6));
     EXPECT_EQ(scene.lights[0].position, glm::vec3(1, 2, 3));
     EXPECT_EQ(scene.lights[1].direction, glm::vec3(0, -1, 0));
-    EXPECT_NEAR(scene.lights[1].inner_angle, 30 * std::numbers::pi / 180, 1e-6);
+    EXPECT_NEAR(scene.lights[1].outer_angle, 40 * std::numbers::pi / 180, 1e-6);
+    const double inner = std::cos(30 * std::numbers::pi / 180), outer = scene.lights[1].outer_angle;
+    const auto smooth_step = [&](double angle) {
+        const double t = std::min(1.0, (std::cos(angle) - std::cos(outer)) / (inner - std::cos(outer)));
+        return t * t * (3 - 2 * t);
+    };
+    EXPECT_NEAR(power_of_spot(scene.lights[1]), power_between(outer, smooth_step), 1e-5);
     const glm::vec3 warm = scene.lights[2].intensity;
     EXPECT_NEAR(0.2126f * warm.x + 0.7152f * warm.y + 0.0722f * warm.z, 3.f, 0.01f);
     EXPECT_GT(warm.x, warm.z);

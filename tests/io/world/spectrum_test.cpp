@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "host/io/world/rough.hpp"
 
@@ -71,25 +72,76 @@ TEST(Conductors, HaveNamesInBothFormats) {
 TEST(Plastic, ReturnsTheShareOfLightThatItsBorderSendsBack) {
     const double inner = inner_reflectance(1.5);
     EXPECT_NEAR(inner, 0.596, 1e-3);
-    const RoughBase smooth(1.5, 0, true);
+    const RoughBase smooth(1.5, {}, true);
     EXPECT_NEAR(smooth.albedo(1.f), 1.f, 1e-6f);
     double sum = 0, now = 0.5 * (1 - inner);
     for (int bounce = 0; bounce < 200; ++bounce, now *= 0.5 * inner) sum += now;  // leaves after each reflection
     EXPECT_NEAR(smooth.albedo(0.5f), sum, 1e-6);
-    EXPECT_NEAR(RoughBase(1.5, 0, false).albedo(0.5f), 0.5f, 1e-6f);
+    EXPECT_NEAR(RoughBase(1.5, {}, false).albedo(0.5f), 0.5f, 1e-6f);
 }
 
 /// Where facets are nearly smooth, their shares are those of a smooth border, and they lose little; rough ones lose
 /// more.
 TEST(Rough, BordersLoseLightByTheirRoughness) {
-    const RoughBorder nearly = rough_border(1.5, 0.002), rough = rough_border(1.5, 0.5);
+    const RoughBorder nearly = rough_border(1.5, {0.002}), rough = rough_border(1.5, {0.5});
     EXPECT_NEAR(nearly.reflected + nearly.passed, 1, 2e-3);
     EXPECT_NEAR(nearly.reflected, 1 - (1 - inner_reflectance(1.5)) * 2.25, 2e-3);  // reciprocity
-    EXPECT_NEAR(rough_border(1 / 1.5, 0.002).reflected, inner_reflectance(1.5), 5e-3);
+    EXPECT_NEAR(rough_border(1 / 1.5, {0.002}).reflected, inner_reflectance(1.5), 5e-3);
     EXPECT_LT(rough.reflected + rough.passed, 0.99);
-    EXPECT_NEAR(kept_by_facets(0.002), 1, 1e-3);
-    EXPECT_LT(kept_by_facets(1), 0.65);
-    EXPECT_GT(kept_by_facets(0.1), kept_by_facets(0.3));
+    EXPECT_NEAR(kept_by_facets({0.002}), 1, 1e-3);
+    EXPECT_LT(kept_by_facets({1}), 0.65);
+    EXPECT_GT(kept_by_facets({0.1}), kept_by_facets({0.3}));
+}
+
+/// What facets reflect at once: D G / (4 cosine cosine) over all pairs of directions (Walter et al. 2007, equation 20).
+double kept_by_sum(double alpha, bool beckmann) {
+    constexpr double pi = std::numbers::pi;
+    const auto tangent2 = [](double c) { return (1 - c * c) / (c * c); };
+    const auto masking = [&](double c) {
+        const double t = alpha * alpha * tangent2(c), a = 1 / std::sqrt(t);
+        return beckmann ? 2 / (1 + std::erf(a) + std::exp(-a * a) / (a * std::sqrt(pi))) : 2 / (1 + std::sqrt(1 + t));
+    };
+    const auto density = [&](double c) {
+        const double t = tangent2(c) / (alpha * alpha), scale = pi * alpha * alpha * c * c * c * c;
+        return beckmann ? std::exp(-t) / scale : 1 / (scale * (1 + t) * (1 + t));
+    };
+    constexpr int cosines = 60, turns = 120;
+    double sum = 0;
+    for (int i = 0; i < cosines; ++i)
+        for (int o = 0; o < cosines; ++o)
+            for (int k = 0; k < turns; ++k) {
+                const double in = (i + 0.5) / cosines, out = (o + 0.5) / cosines, turn = (k + 0.5) * 2 * pi / turns;
+                const double x = std::sqrt(1 - in * in) + std::sqrt(1 - out * out) * std::cos(turn),
+                             y = std::sqrt(1 - out * out) * std::sin(turn), z = in + out;
+                const double facet = z / std::sqrt(x * x + y * y + z * z);
+                sum += density(facet) * masking(in) * masking(out) / (4 * in * out) * 2 * in * out * (2 * pi / turns) /
+                       (cosines * cosines);
+            }
+    return sum;
+}
+
+TEST(Rough, FacetsKeepWhatTheirDistributionDoes) {
+    for (const double alpha : {0.3, 0.6}) {
+        EXPECT_NEAR(kept_by_facets({alpha}), kept_by_sum(alpha, false), 2e-3) << alpha;
+        EXPECT_NEAR(kept_by_facets({alpha, true}), kept_by_sum(alpha, true), 2e-3) << alpha;
+    }
+}
+
+/// Burley's lobe, summed over pairs of directions of diffuse light.
+TEST(Rough, MeanOfBurleysDiffuseLobe) {
+    constexpr int steps = 48;
+    for (const double roughness : {0.0, 0.5, 1.0}) {
+        double sum = 0;
+        for (int i = 0; i < steps * steps * steps; ++i) {
+            const double in = (i % steps + 0.5) / steps, out = (i / steps % steps + 0.5) / steps,
+                         turn = std::numbers::pi * (i / (steps * steps) + 0.5) / steps;
+            const double between = in * out + std::sqrt((1 - in * in) * (1 - out * out)) * std::cos(turn);
+            const double half2 = (1 + between) / 2, a = std::pow(1 - in, 5), b = std::pow(1 - out, 5),
+                         retro = 2 * roughness * half2;
+            sum += 4 * in * out * ((1 - a / 2) * (1 - b / 2) + retro * (a + b + a * b * (retro - 1)));
+        }
+        EXPECT_NEAR(burley_diffuse(roughness), sum / (steps * steps * steps), 2e-4) << roughness;
+    }
 }
 
 /// Facets that lose nothing: each order of scattering keeps E and reflects F.
