@@ -1,5 +1,6 @@
 """Blender without a window, by PyPI's bpy: the add-on, small scenes, and pictures of both engines. bench/renderers/blender.py uses it, too."""
 
+import atexit
 import contextlib
 import importlib.util
 import math
@@ -22,6 +23,7 @@ def load_addon():
         sys.modules["claray_addon"] = importlib.util.module_from_spec(spec)
         spec.loader.exec_module(sys.modules["claray_addon"])
         sys.modules["claray_addon"].register()
+        atexit.register(sys.modules["claray_addon"].unregister)  # as Blender does with its add-ons; bpy 4.5 does not end without it
     return sys.modules["claray_addon"]
 
 

@@ -15,7 +15,7 @@ import support
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 MAKE = ROOT / "tools/blender/make.py"
-PYTHON = f"cp{sys.version_info.major}{sys.version_info.minor}"
+TAG = "cp311-cp311" if sys.version_info[:2] == (3, 11) else "cp312-abi3"  # as python/wheel/make.py names wheels
 MACHINE = os.uname().machine
 # In a Blender that has no add-on yet: installs the package, enables it, renders by it, and removes it.
 INSTALL = """
@@ -47,23 +47,23 @@ def make(*arguments):
 def wheel_of_this_build(folder):
     """A wheel of the package as it is built, which needs libraries of this system."""
     package = pathlib.Path(claray.__file__).parent
-    wheel = folder / f"claray-{claray.__version__}-{PYTHON}-{PYTHON}-linux_{MACHINE}.whl"
+    wheel = folder / f"claray-{claray.__version__}-{TAG}-linux_{MACHINE}.whl"
     information = f"claray-{claray.__version__}.dist-info"
     with zipfile.ZipFile(wheel, "w") as archive:
         for file in package.rglob("*"):
             if file.is_file() and "__pycache__" not in file.parts:
                 archive.write(file, pathlib.Path("claray") / file.relative_to(package))
         archive.writestr(f"{information}/METADATA", f"Metadata-Version: 2.1\nName: claray\nVersion: {claray.__version__}\n")
-        archive.writestr(f"{information}/WHEEL", f"Wheel-Version: 1.0\nRoot-Is-Purelib: false\nTag: {PYTHON}-{PYTHON}-linux_{MACHINE}\n")
+        archive.writestr(f"{information}/WHEEL", f"Wheel-Version: 1.0\nRoot-Is-Purelib: false\nTag: {TAG}-linux_{MACHINE}\n")
         archive.writestr(f"{information}/RECORD", "")
     return wheel
 
 
 def wheel_to_give_away(folder):
     """The one that CTest's `wheel` made, which needs no library of the system but a driver."""
-    found = sorted(ROOT.glob(f"build/wheel/test/claray-*-{PYTHON}-*_{MACHINE}.whl"))
+    found = sorted(ROOT.glob(f"build/wheel/test/claray-*-{TAG}-*_{MACHINE}.whl"))
     if not found:
-        pytest.skip(f"build/wheel/test has no wheel for {PYTHON}: ctest -R wheel makes it")
+        pytest.skip(f"build/wheel/test has no wheel for {TAG}: ctest -R wheel makes it")
     return found[0]
 
 
@@ -83,29 +83,35 @@ def test_blender_installs_the_package_and_renders_by_it(wheel_in, tmp_path):
 
 def test_blender_finds_no_fault_in_the_manifest(tmp_path):
     tool = next(pathlib.Path(bpy.utils.resource_path("LOCAL")).glob("scripts/addons_core/bl_pkg/cli/blender_ext.py"))
-    wheel = tmp_path / f"claray-0.1.0-{PYTHON}-{PYTHON}-manylinux_2_35_x86_64.whl"
-    wheel.write_bytes(b"wheel")
-    done = subprocess.run([sys.executable, tool, "validate", make("--out", tmp_path, wheel)], text=True, capture_output=True)
+    package = make("--out", tmp_path, false_wheel(tmp_path, f"{TAG}-manylinux_2_35_x86_64"))
+    done = subprocess.run([sys.executable, tool, "validate", package], text=True, capture_output=True)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_package_lists_its_wheels(tmp_path):
-    wheel = tmp_path / "claray-0.1.0-cp311-cp311-linux_x86_64.whl"
+def false_wheel(folder, tags):
+    wheel = folder / f"claray-0.1.0-{tags}.whl"
     wheel.write_bytes(b"wheel")
-    with zipfile.ZipFile(make("--out", tmp_path, wheel)) as archive:
+    return wheel
+
+
+@pytest.mark.parametrize("tag, first, end", [("cp311-cp311", "4.5.0", "5.1.0"), ("cp312-abi3", "5.1.0", None)])
+def test_package_lists_its_wheels_and_the_blenders_that_take_them(tag, first, end, tmp_path):
+    wheels = [false_wheel(tmp_path, f"{tag}-{platform}") for platform in ("manylinux_2_35_x86_64", "linux_aarch64")]
+    with zipfile.ZipFile(make("--out", tmp_path, *wheels)) as archive:
         names = set(archive.namelist())
         manifest = tomllib.loads(archive.read("blender_manifest.toml").decode())
-    assert {"__init__.py", "engine.py", "LICENSE", f"wheels/{wheel.name}"} <= names
-    assert manifest["wheels"] == [f"./wheels/{wheel.name}"] and manifest["platforms"] == ["linux-x64"] and manifest["license"] == ["SPDX:GPL-3.0-or-later"]
-    assert manifest["id"] == "claray" and "files" in manifest["permissions"]
+    assert {"__init__.py", "engine.py", "LICENSE", f"wheels/{wheels[0].name}"} <= names
+    assert manifest["wheels"] == [f"./wheels/{wheel.name}" for wheel in wheels] and manifest["platforms"] == ["linux-arm64", "linux-x64"]
+    assert manifest["blender_version_min"] == first and manifest.get("blender_version_max") == end
+    assert manifest["id"] == "claray" and "files" in manifest["permissions"] and manifest["license"] == ["SPDX:GPL-3.0-or-later"]
     assert manifest["version"] == re.search(r"^project\(claray VERSION ([0-9.]+)", (ROOT / "CMakeLists.txt").read_text(), re.MULTILINE)[1]
 
 
-@pytest.mark.parametrize("name", ["x.whl", "claray-0.1.0-cp311-cp311-win_amd64.whl"])
-def test_package_refuses_other_files(name, tmp_path):
-    (tmp_path / name).write_bytes(b"wheel")
-    done = subprocess.run([sys.executable, MAKE, "--out", tmp_path, tmp_path / name], text=True, stderr=subprocess.PIPE)
-    assert done.returncode == 1 and done.stderr.startswith("WHEEL: '") and done.stderr.count("\n") == 1
+@pytest.mark.parametrize("tags", [["x"], ["cp311-cp311-win_amd64"], ["cp310-cp310-linux_x86_64"],
+                                  ["cp311-cp311-linux_x86_64", "cp312-abi3-linux_x86_64"]])
+def test_package_refuses_other_wheels(tags, tmp_path):
+    done = subprocess.run([sys.executable, MAKE, "--out", tmp_path, *(false_wheel(tmp_path, tag) for tag in tags)], text=True, capture_output=True)
+    assert done.returncode == 1 and done.stderr.startswith("WHEEL: ") and done.stderr.count("\n") == 1 and not list(tmp_path.glob("*.zip"))
 
 
 def test_every_file_of_the_addon_names_its_licence():
