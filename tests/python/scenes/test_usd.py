@@ -1,6 +1,7 @@
 """claray.usd: what USD means, by stages that the tests write. Skipped without usd-core."""
 
 import math
+import pathlib
 import subprocess
 import sys
 import warnings
@@ -102,6 +103,17 @@ def test_faces(stage):
     assert len(faces) == 3 and points.max() == 2
     a, b, c = (points[faces[:, i]] for i in range(3))
     assert (np.cross(b - a, c - a)[:, 2] < 0).all()
+
+
+def test_values_of_unknown_types_are_refused(stage, tmp_path):
+    material, shader = preview(stage)
+    image_of(stage, shader, "diffuseColor", save_texels(tmp_path))
+    bind(quad(stage), material)
+    stage.GetRootLayer().Save()
+    damaged = tmp_path / "damaged.usda"
+    damaged.write_text((tmp_path / "scene.usda").read_text().replace('token info:id = "UsdPrimvarReader', 'inf info:id = "UsdPrimvarReader'))
+    with pytest.raises(claray.InputError, match="damaged.usda' is damaged"):
+        claray.usd.load(damaged)
 
 
 def test_damaged_faces_are_left_out(stage):
@@ -486,3 +498,10 @@ def test_program_s_files(stage, tmp_path):
     assert done.returncode == 0 and not done.stderr and (tmp_path / "out.json").exists()
     done = subprocess.run([sys.executable, "-m", "claray.usd", tmp_path / "none.usda", tmp_path / "no.glb"], text=True, capture_output=True)
     assert done.returncode == 1 and "none.usda" in done.stderr.splitlines()[-1] and not (tmp_path / "no.glb").exists()
+
+
+def test_forged_files_are_read_or_refused():
+    script = pathlib.Path(__file__).parents[2] / "fuzz/forged_usd.py"
+    result = subprocess.run([sys.executable, script, "40"], capture_output=True, text=True, check=False)
+    assert result.returncode == 0, result.stdout + result.stderr
+    assert result.stdout.count("40 changes:") == 3 and "crashed" not in result.stdout
