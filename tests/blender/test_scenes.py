@@ -235,6 +235,28 @@ def test_a_region_is_that_part_of_the_picture(crop):
     assert whole[12:24, 10:30].max() == 1
 
 
+@pytest.mark.parametrize("calls", [1, 3])
+def test_a_cancelled_render_ends_and_keeps_its_samples(calls):
+    """Blender's test_break is true after Escape. A module of Blender has no window, and its methods cannot be replaced: an object takes its place."""
+    scene = support.empty_scene(64, 48)
+    support.interior(scene)
+    made, asked, told = read(), [], []
+    made.camera = camera_of(scene)
+    renderer = claray.Renderer(made, width=64, height=48, spp=2**18, report_seconds=0.02)
+
+    def test_break():
+        asked.append(0)
+        assert len(asked) <= calls, "goes on"
+        return len(asked) == calls
+    blender = types.SimpleNamespace(update_progress=lambda share: None, update_stats=lambda where, text: told.append(text),
+                                    test_break=test_break)
+    sys.modules["claray_addon"].engine.ClarayEngine._sample(blender, renderer, None, None, scene.claray)
+    assert len(asked) == calls
+    assert 0 < int(told[-1].removeprefix("Sample ").split(" of ")[0]) < 2**17
+    whole = support.picture(scene, "CLARAY", 64)[..., :3]
+    np.testing.assert_allclose(np.asarray(renderer.image()).mean((0, 1)), whole.mean((0, 1)), rtol=0.1)
+
+
 def test_errors_are_one_line():
     scene = support.empty_scene(16, 16)
     scene.camera = None
