@@ -185,6 +185,11 @@ const SceneReader* scene_reader_of(const std::filesystem::path& path) {
     return found == std::end(readers) ? reader_by_content(path) : &*found;
 }
 
+std::optional<SceneFilm> film_of(const std::filesystem::path& path) {
+    const SceneReader* reader = scene_reader_of(path);
+    return reader && reader->film ? reader->film(path) : std::nullopt;
+}
+
 std::string scene_format_names() {
     std::string names;
     for (const SceneReader& reader : readers)

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "claray/io.hpp"
-#include "host/io/scene_film.hpp"
+#include "host/io/world/scene_film.hpp"
 
 namespace claray {
 
@@ -47,6 +47,9 @@ struct SceneReader {
 /// The reader of a file: by its extension, otherwise by its content. Null: no row is for it.
 [[nodiscard]] const SceneReader* scene_reader_of(const std::filesystem::path& path);
 
+/// Returns the film that a file states; nothing for files and formats that state none. Throws as the file's reader.
+[[nodiscard]] std::optional<SceneFilm> film_of(const std::filesystem::path& path);
+
 /// The names of the formats that are read, and their extensions: "OBJ, PLY", ".obj, .ply".
 [[nodiscard]] std::string scene_format_names();
 [[nodiscard]] std::string scene_extensions();
@@ -63,6 +66,8 @@ struct SceneReader {
                                                const LoadOptions& options);
 [[nodiscard]] Scene load_pbrt_without_light(const std::filesystem::path& path, Warnings& warnings,
                                             const LoadOptions& options);
+[[nodiscard]] std::optional<SceneFilm> pbrt_film(const std::filesystem::path& path);
+[[nodiscard]] std::optional<SceneFilm> mitsuba_film(const std::filesystem::path& path);
 [[nodiscard]] Scene load_usd_without_light(const std::filesystem::path& path, Warnings& warnings,
                                            const LoadOptions& options);
 [[nodiscard]] Scene load_blend_without_light(const std::filesystem::path& path, Warnings& warnings,

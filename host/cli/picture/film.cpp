@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "host/cli/output/messages.hpp"
-#include "host/io/scene_film.hpp"
+#include "host/io/scene_readers.hpp"
 #include "host/render/config/checks.hpp"
 
 namespace claray::cli {

@@ -1,5 +1,6 @@
 // The film of a Mitsuba scene: its size and crop, and the exposure that films of 8 bits had in Mitsuba 0.5.
 #include "host/io/mitsuba/mitsuba_scene.hpp"
+#include "host/io/scene_readers.hpp"
 
 namespace claray {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "host/io/mitsuba/mitsuba_node.hpp"
-#include "host/io/scene_film.hpp"
+#include "host/io/world/scene_film.hpp"
 #include "host/io/world/world.hpp"
 
 namespace claray {

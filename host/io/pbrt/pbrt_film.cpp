@@ -3,6 +3,7 @@
 
 #include "claray/error.hpp"
 #include "host/io/pbrt/pbrt_scene.hpp"
+#include "host/io/scene_readers.hpp"
 
 namespace claray {
 namespace {

@@ -4,7 +4,7 @@
 #include <map>
 
 #include "host/io/pbrt/pbrt_materials.hpp"
-#include "host/io/scene_film.hpp"
+#include "host/io/world/scene_film.hpp"
 
 namespace claray {
 

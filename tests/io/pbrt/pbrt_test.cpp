@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "host/io/scene_film.hpp"
+#include "host/io/scene_readers.hpp"
 #include "tests/io/expect_error.hpp"
 #include "tests/io/world/spot_power.hpp"
 

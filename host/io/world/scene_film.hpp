@@ -1,7 +1,6 @@
 // The picture that a scene file asks for: what pbrt and Mitsuba call its film.
 #pragma once
 
-#include <filesystem>
 #include <optional>
 
 namespace claray {
@@ -17,11 +16,5 @@ struct SceneFilm {
     /// none.
     [[nodiscard]] bool crop(double left, double right, double top, double bottom);
 };
-
-/// Returns the film that a file states; nothing for files and formats that state none. Throws as the file's reader.
-[[nodiscard]] std::optional<SceneFilm> film_of(const std::filesystem::path& path);
-
-[[nodiscard]] std::optional<SceneFilm> pbrt_film(const std::filesystem::path& path);
-[[nodiscard]] std::optional<SceneFilm> mitsuba_film(const std::filesystem::path& path);
 
 }  // namespace claray

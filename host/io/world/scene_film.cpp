@@ -1,8 +1,6 @@
-#include "host/io/scene_film.hpp"
+#include "host/io/world/scene_film.hpp"
 
 #include <algorithm>
-
-#include "host/io/scene_readers.hpp"
 
 namespace claray {
 
@@ -16,11 +14,6 @@ bool SceneFilm::crop(double left, double right, double top, double bottom) {
     part_width = x_end - x, part_height = y_end - y;
     if (part_width == width && part_height == height) part_width = part_height = 0;
     return true;
-}
-
-std::optional<SceneFilm> film_of(const std::filesystem::path& path) {
-    const SceneReader* reader = scene_reader_of(path);
-    return reader && reader->film ? reader->film(path) : std::nullopt;
 }
 
 }  // namespace claray
