@@ -3,8 +3,9 @@
     pip install mitsuba numpy pillow
     python3 bench/renderers/scene_files.py build/bin/claray FOLDER SCENE.xml...
 
-Both read the same file: a copy beside the scene, with a path tracer of depth --depth, a film of about --pixels, a constant light of
-radiance 1 in place of skies that are computed, grey in place of missing images, and without the shapes whose meshes are missing. Writes FOLDER/means.csv, pairs as FOLDER/NAME.png, and FOLDER/sheet.png with all pairs. Prints a row a scene: the
+Both read the same file: a copy beside the scene, with a path tracer of depth --depth (Mitsuba's `volpath`, because its `path` is biased where masks
+shade lamps), a film of about --pixels, a constant light of radiance 1 in place of skies that are computed, grey in place of missing images, and without
+the shapes whose meshes are missing. Writes FOLDER/means.csv, pairs as FOLDER/NAME.png, and FOLDER/sheet.png with all pairs. Prints a row a scene: the
 ratio of the means of the three channels, and the noise of the ratio. Mitsuba's LLVM variant needs DRJIT_LIBLLVM_PATH.
 """
 import argparse
@@ -72,7 +73,7 @@ def prepared(path, pixels, depth):
     root, folder = tree.getroot(), os.path.dirname(path)
     sensor = root.find("sensor")
     width, height = size_of(root, sensor, pixels)
-    new_object(root, "integrator", "path").append(ET.Element("integer", name="max_depth", value=str(depth)))
+    new_object(root, "integrator", "volpath").append(ET.Element("integer", name="max_depth", value=str(depth)))
     new_object(sensor, "sampler", "independent")
     film = new_object(sensor, "film", "hdrfilm")
     for name, value in (("width", width), ("height", height)):
