@@ -21,20 +21,21 @@ PANEL = 316  # CSS pixels
 
 # Waits for the first picture.
 FIRST = """() => new Promise(done => {
-    const image = document.getElementById("view"), look = () => requestAnimationFrame(() => done(performance.now()));
-    image.naturalWidth > 0 ? look() : image.addEventListener("load", look, { once: true });
+    const image = document.getElementById("view");
+    const look = () => requestAnimationFrame(() => image.dataset.revision === undefined ? look() : done(performance.now()));
+    look();
 })"""
 
 # Moves the slider, and waits for a picture of that revision of the scene or a later one. Times are those of the page.
 MOVE = """value => new Promise(done => {
     const image = document.getElementById("view"), slider = document.getElementById("probe");
     const before = image.dataset.revision, begin = performance.now();
-    const look = () => {
+    const watch = new MutationObserver(() => {
         if (image.dataset.revision === before) return;
-        image.removeEventListener("load", look);
+        watch.disconnect();
         requestAnimationFrame(() => done(performance.now() - begin));
-    };
-    image.addEventListener("load", look);
+    });
+    watch.observe(image, { attributeFilter: ["data-revision"] });
     slider.value = value;
     slider.dispatchEvent(new Event("input"));
 })"""

@@ -100,7 +100,7 @@ void View::render(double seconds, const Interrupted& interrupted) {
 
 bool View::wants_preview() const { return !paused_ && !denoises_ && shows_ == "image" && preview_.is_smaller(); }
 
-/// One sample for each pixel of an image that is ready in half of the time.
+/// One sample for each pixel of an image that is ready in a part of the time.
 void View::preview() {
     const Clock::time_point begin = Clock::now();
     const double scale = preview_.scale();

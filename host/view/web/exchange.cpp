@@ -10,7 +10,8 @@ namespace {
 constexpr std::size_t most_waiting = 256;  // commands
 constexpr std::uint64_t most_streams = 32;
 constexpr auto longest_wait = std::chrono::milliseconds(500);
-constexpr auto longest_idle = std::chrono::milliseconds(50);  // until it is asked whether the view goes on
+constexpr auto longest_idle = std::chrono::milliseconds(50);     // until it is asked whether the view goes on
+constexpr auto longest_display = std::chrono::milliseconds(25);  // as a browser on the same processor takes
 constexpr auto longest_making = std::chrono::seconds(10);
 
 Bytes shared(std::string bytes) { return std::make_shared<const std::string>(std::move(bytes)); }
@@ -50,6 +51,7 @@ bool Exchange::is_open(std::uint64_t stream) const {
 
 Bytes Exchange::next_frame(std::uint64_t& seen) {
     std::unique_lock lock(mutex_);
+    if (seen <= frames_ && seen > shown_) shown_ = seen, asked_.notify_all();
     changed_.wait_for(lock, longest_wait, [&] { return frames_ != seen || ended_; });
     return std::exchange(seen, frames_) != frames_ ? jpeg_ : nullptr;
 }
@@ -100,6 +102,11 @@ void Exchange::wait_for_clients() {
         return !commands_.empty() ||
                std::any_of(wishes_.begin(), wishes_.end(), [](const Wish& wish) { return wish.is_open; });
     });
+}
+
+void Exchange::wait_for_display() {
+    std::unique_lock lock(mutex_);
+    asked_.wait_for(lock, longest_display, [&] { return shown_ == frames_; });
 }
 
 void Exchange::end() {

@@ -46,6 +46,8 @@ public:
 
     /// Waits for a command or a wish, but not long.
     void wait_for_clients();
+    /// Waits until a client asks for another frame than the newest, which it shows then, but not long.
+    void wait_for_display();
 
     /// Ends all waits and streams.
     void end();
@@ -62,6 +64,7 @@ private:
     std::array<Wish, 4> wishes_;  // by Made
     std::string status_, state_;
     std::uint64_t frames_ = 0, streams_ = 0;
+    std::uint64_t shown_ = 0;  // the newest frame after which a client asked for another
     std::deque<ViewCommand> commands_;
     bool ended_ = false;
 };

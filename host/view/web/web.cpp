@@ -198,9 +198,10 @@ public:
 
     void run() {
         const auto interrupted = [&] { return exchange_.has_commands() || !config_.goes_on(); };
-        bool shown = false;
+        bool shown = false, answers = false;
         while (!view_.ended() && config_.goes_on()) {
-            for (const ViewCommand& command : exchange_.take()) told_.take(answer_of(command)), shown = false;
+            for (const ViewCommand& command : exchange_.take())
+                told_.take(answer_of(command)), shown = false, answers = true;
             give_texts();
             if (shown && !exchange_.wants(Made::picture) && !view_.costs().is_ready()) {
                 exchange_.wait_for_clients();
@@ -212,6 +213,7 @@ public:
             if (exchange_.wants(Made::picture))
                 exchange_.give(Made::picture, encode_png(frame.width, frame.height, 4, frame.pixels));
             publish(exchange_, view_, frame, told_);
+            if (std::exchange(answers, false)) exchange_.wait_for_display();
         }
     }
 

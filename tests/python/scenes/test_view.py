@@ -118,3 +118,13 @@ def test_bad_arguments_are_refused(cornell):
     port = int(cornell.url.split(":")[2].split("/")[0])
     with pytest.raises(claray.InputError, match=f"cannot listen at 127.0.0.1:{port}; the port may be in use"):
         claray.view(scene, port=port)
+
+
+def test_a_dropped_file_is_shown_and_no_job_is_saved():
+    with claray.view(claray.load("cornell"), spp=1) as view:
+        assert get(view.url + "job.json")[0] == 404 and not json.loads(get(view.url + "scene")[1])["has_job"]
+        triangle = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+        for path, body in (("drop", b""), ("upload?name=a.obj&at=0", triangle), ("open?name=a.obj", b"")):
+            urllib.request.urlopen(view.url + path, body)
+        while json.loads(get(view.url + "scene")[1])["triangles"] != 1:
+            time.sleep(0.01)

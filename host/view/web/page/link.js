@@ -18,10 +18,11 @@ const merged = (a, b) => {
 
 const pause = seconds => new Promise(wait => setTimeout(wait, 1000 * seconds));
 
-/** Events: `frame` (a blob with its state), `state`, `failed` (a line), `lost` and `found`. */
+/** Events: `state`, `failed` (a line), `lost` and `found`. */
 export class Link extends EventTarget {
   state = null;
   opened = "0";
+  show = async () => {};  // a frame: a blob with its state
   #waiting = [];
   #sends = false;
 
@@ -70,7 +71,10 @@ export class Link extends EventTarget {
   async json(path) { return (await fetch(path)).json(); }
   async text(path) { return (await fetch(path)).text(); }
 
-  /** One request for each frame: Firefox goes on reading the streams of pages that were left, until no connection is free. */
+  /**
+   * One request for each frame: Firefox goes on reading the streams of pages that were left, until no connection is free. A frame is shown
+   * before the next is asked for: after a change the view waits for that, so that rendering does not take the processor from the browser.
+   */
   async watch() {
     for (let seen = 0, lost = false; ; ) {
       try {
@@ -85,8 +89,9 @@ export class Link extends EventTarget {
         if (lost) this.tell("found");
         lost = false;
         this.state = state;
-        if (blob) this.tell("frame", { blob, state });
+        if (blob) await this.show(blob, state).catch(() => {});  // another frame comes
         this.tell("state", state);
+        if (blob && !document.hidden) await new Promise(requestAnimationFrame);
       } catch {
         if (!lost) this.tell("lost");
         lost = true;

@@ -162,27 +162,16 @@ const filesOf = async entry => {
   return files;
 };
 
-// Frames come faster than they are decoded: only the newest waits.
-let waiting = null, decodes = false;
-const showFrames = async () => {
-  if (decodes) return;
-  decodes = true;
-  while (waiting) {
-    const { blob, state } = waiting, next = new Image(), before = image.src;
-    next.src = URL.createObjectURL(blob), waiting = null;
-    try {
-      await next.decode();  // so that the image is never blank
-      image.src = next.src;
-      image.dataset.revision = state.revision;  // that the picture shows
-      const stretch = image.clientWidth * state.height / (image.clientHeight * state.width);
-      image.style.objectFit = Math.abs(stretch - 1) < 0.02 ? "fill" : "contain";  // half of an odd size is rounded
-      if (before.startsWith("blob:")) URL.revokeObjectURL(before);
-      gizmo.draw(state);
-    } catch { /* the next frame comes */ }
-  }
-  decodes = false;
+const bitmaps = image.getContext("bitmaprenderer");
+link.show = async (blob, state) => {
+  const bitmap = await createImageBitmap(blob);  // decodes in another thread
+  if (image.width !== bitmap.width || image.height !== bitmap.height) image.width = bitmap.width, image.height = bitmap.height;
+  bitmaps.transferFromImageBitmap(bitmap);
+  image.dataset.revision = state.revision;  // that the picture shows
+  const stretch = image.clientWidth * state.height / (image.clientHeight * state.width);
+  image.style.objectFit = Math.abs(stretch - 1) < 0.02 ? "fill" : "contain";  // half of an odd size is rounded
+  gizmo.draw(state);
 };
-link.addEventListener("frame", ({ detail }) => { waiting = detail; showFrames(); });
 
 let revision = "", describes = false, told = null;
 const describe = async () => {
@@ -203,17 +192,17 @@ const describe = async () => {
 };
 
 link.addEventListener("state", ({ detail: state }) => {
-  const spp = panel.scene?.spp ?? 0, noise = state.noise > 0 && !state.denoises ? `noise ${percent(state.noise)}` : "";
+  const spp = panel.scene?.spp ?? 0, begins = state.spp < 4;  // what noise and seconds there are belong to the run before
+  const noise = state.noise > 0 && !state.denoises && !begins ? `noise ${percent(state.noise)}` : "";
   const bar = chip.querySelector("progress") ?? make("progress", { max: 1, "aria-label": "Samples" });
   bar.value = spp ? Math.min(1, state.spp / spp) : 0;
-  const texts = [`${state.width}×${state.height}`, `${state.spp}${spp ? ` of ${spp}` : ""} samples`, noise, state.paused ? "paused" : state.seconds > 0 ? duration(state.seconds) : "",
+  const texts = [`${state.width}×${state.height}`, `${state.spp}${spp ? ` of ${spp}` : ""} samples`, noise, state.paused ? "paused" : state.seconds > 0 && !begins ? duration(state.seconds) : "",
                  state.pages > 1 ? `${state.pages} pages` : "", state.measures ? "measuring effects" : ""];
   chip.replaceChildren(bar, ...texts.filter(Boolean).map(text => make("span", {}, text)));
   at("steering").hidden = state.steers;
   buttons.pause.setAttribute("aria-pressed", `${state.paused}`), buttons.spin.setAttribute("aria-pressed", `${state.spin !== 0}`);
   buttons.play.setAttribute("aria-pressed", `${state.playing}`);
   panel.update(state);
-  if (!decodes) gizmo.draw(state);
   if (state.revision !== revision) describe();
   const now = `${state.failed} ${state.told}`;
   if (told !== null && now !== told && state.told && (state.failed || /^(loads|measures|opened|nothing) /.test(state.told)))

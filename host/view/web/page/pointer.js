@@ -2,14 +2,14 @@
 
 /** Where the image lies in its element, in pixels of the window: `object-fit: contain`. */
 export const boxOf = image => {
-  const outer = image.getBoundingClientRect(), wide = image.naturalWidth || 16, high = image.naturalHeight || 9;
+  const outer = image.getBoundingClientRect(), wide = image.width, high = image.height;
   const scale = Math.min(outer.width / wide, outer.height / high), width = scale * wide, height = scale * high;
   return { x: outer.x + (outer.width - width) / 2, y: outer.y + (outer.height - height) / 2, width, height };
 };
 
 const pixelOf = (e, image) => {
   const box = boxOf(image), x = (e.clientX - box.x) / box.width, y = (e.clientY - box.y) / box.height;
-  return x < 0 || y < 0 || x >= 1 || y >= 1 ? null : [Math.floor(x * image.naturalWidth), Math.floor(y * image.naturalHeight)];
+  return x < 0 || y < 0 || x >= 1 || y >= 1 ? null : [Math.floor(x * image.width), Math.floor(y * image.height)];
 };
 
 /** `mouse`: degrees per pixel, zoom per step of the wheel, and the farthest way of a click, in pixels. */
