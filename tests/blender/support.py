@@ -14,6 +14,20 @@ import numpy as np
 
 ADDON = pathlib.Path(__file__).resolve().parents[2] / "tools/blender/claray"
 BOUNCES = 12
+LAMPS = {
+    "point": ("POINT", dict(energy=100, shadow_soft_size=0)),
+    "ball": ("POINT", dict(energy=100, shadow_soft_size=0.3)),
+    "warm point": ("POINT", dict(energy=100, shadow_soft_size=0, use_temperature=True, temperature=3200)),
+    "exposed point": ("POINT", dict(energy=100, shadow_soft_size=0, exposure=1.5, color=(1, 0.5, 0.25))),
+    "spot": ("SPOT", dict(energy=100, shadow_soft_size=0, spot_size=math.radians(40), spot_blend=0.15)),
+    "soft spot": ("SPOT", dict(energy=100, shadow_soft_size=0, spot_size=math.radians(50), spot_blend=1)),
+    "sun": ("SUN", dict(energy=2, angle=0)),
+    "wide sun": ("SUN", dict(energy=2, angle=0.5)),
+    "square": ("AREA", dict(energy=100, size=1)),
+    "rectangle": ("AREA", dict(energy=100, shape="RECTANGLE", size=1.5, size_y=0.5)),
+    "disc": ("AREA", dict(energy=100, shape="DISK", size=1)),
+    "ellipse": ("AREA", dict(energy=100, shape="ELLIPSE", size=1.5, size_y=0.5)),
+}
 
 
 def load_addon():
@@ -41,7 +55,7 @@ def prepare(scene, width=64, height=48):
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = cycles.light_sampling_threshold = cycles.blur_glossy = 0
     cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = cycles.transmission_bounces = BOUNCES
     cycles.transparent_max_bounces = BOUNCES
-    scene.claray.max_depth = BOUNCES
+    scene.claray.max_depth = BOUNCES + 1  # Cycles counts surfaces after the first
 
 
 def empty_scene(width=64, height=48):
@@ -171,6 +185,27 @@ def add_image(texels, name="image", encoded=True):
     image.pixels.foreach_set(np.ascontiguousarray(texels[::-1]).ravel())
     image.pack()
     return image
+
+
+def below_lamp(scene, name):
+    """A plane below one of LAMPS, which is behind the camera: Cycles does not show lamps to it."""
+    kind, values = LAMPS[name]
+    add_plane(scene, diffuse((0.8, 0.6, 0.4)), 6)
+    add_light(scene, kind, (0.5, -0.7, 4.5), (0, 0, 0), **values)
+    if kind == "SPOT":  # the profiles of soft edges differ, their powers do not: all of the cone is in view
+        scene.camera.location.z = 9
+
+
+def below_image(scene, turn=0.0):
+    """A ball in a world of an image, which a Mapping node turns about z."""
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=4, radius=1)
+    bpy.context.object.data.materials.append(diffuse((0.8, 0.8, 0.8)))
+    tree, node = set_world_image(scene)
+    if turn:
+        mapping, coordinates = tree.nodes.new("ShaderNodeMapping"), tree.nodes.new("ShaderNodeTexCoord")
+        mapping.inputs["Rotation"].default_value = (0, 0, turn)
+        tree.links.new(coordinates.outputs["Generated"], mapping.inputs["Vector"])
+        tree.links.new(mapping.outputs["Vector"], node.inputs["Vector"])
 
 
 def interior(scene):

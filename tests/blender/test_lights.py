@@ -6,36 +6,16 @@ import numpy as np
 import pytest
 import support
 
-LAMPS = {
-    "point": ("POINT", dict(energy=100, shadow_soft_size=0)),
-    "ball": ("POINT", dict(energy=100, shadow_soft_size=0.3)),
-    "warm point": ("POINT", dict(energy=100, shadow_soft_size=0, use_temperature=True, temperature=3200)),
-    "exposed point": ("POINT", dict(energy=100, shadow_soft_size=0, exposure=1.5, color=(1, 0.5, 0.25))),
-    "spot": ("SPOT", dict(energy=100, shadow_soft_size=0, spot_size=math.radians(40), spot_blend=0.15)),
-    "soft spot": ("SPOT", dict(energy=100, shadow_soft_size=0, spot_size=math.radians(50), spot_blend=1)),
-    "sun": ("SUN", dict(energy=2, angle=0)),
-    "wide sun": ("SUN", dict(energy=2, angle=0.5)),
-    "square": ("AREA", dict(energy=100, size=1)),
-    "rectangle": ("AREA", dict(energy=100, shape="RECTANGLE", size=1.5, size_y=0.5)),
-    "disc": ("AREA", dict(energy=100, shape="DISK", size=1)),
-    "ellipse": ("AREA", dict(energy=100, shape="ELLIPSE", size=1.5, size_y=0.5)),
-}
-
-
 def means_agree(scene, samples=32, samples_of_cycles=64, share=0.02):
     ours, cycles = support.both(scene, samples, samples_of_cycles)
     np.testing.assert_allclose(ours.mean((0, 1)), cycles.mean((0, 1)), rtol=share)
     return ours, cycles
 
 
-@pytest.mark.parametrize("name", LAMPS)
+@pytest.mark.parametrize("name", support.LAMPS)
 def test_lamp_as_bright_as_in_cycles(name):
-    kind, values = LAMPS[name]
     scene = support.empty_scene()
-    support.add_plane(scene, support.diffuse((0.8, 0.6, 0.4)), 6)
-    support.add_light(scene, kind, (0.5, -0.7, 4.5), (0, 0, 0), **values)  # behind the camera, which does not see lamps in Cycles
-    if kind == "SPOT":  # the profiles of soft edges differ, their powers do not: all of the cone is in view
-        scene.camera.location.z = 9
+    support.below_lamp(scene, name)
     means_agree(scene)
     assert not [line for line in support.lines(scene) if "energy" in line]
 
@@ -76,15 +56,7 @@ def test_emissive_mesh_and_world():
 def test_image_of_the_world(turn):
     """An image with one bright quarter lights a ball from the same side as in Cycles."""
     scene = support.empty_scene()
-    import bpy
-    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=4, radius=1)
-    bpy.context.object.data.materials.append(support.diffuse((0.8, 0.8, 0.8)))
-    tree, node = support.set_world_image(scene)
-    if turn:
-        mapping, coordinates = tree.nodes.new("ShaderNodeMapping"), tree.nodes.new("ShaderNodeTexCoord")
-        mapping.inputs["Rotation"].default_value = (0, 0, turn)
-        tree.links.new(coordinates.outputs["Generated"], mapping.inputs["Vector"])
-        tree.links.new(mapping.outputs["Vector"], node.inputs["Vector"])
+    support.below_image(scene, turn)
     ours, cycles = means_agree(scene, 64)
     assert np.abs(ours - cycles).mean() < 0.06 * cycles.mean()
     assert support.lines(scene) == []
