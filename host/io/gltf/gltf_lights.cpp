@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "host/base/color.hpp"
-#include "host/io/gltf/gltf_value.hpp"
+#include "host/io/gltf/decode/gltf_value.hpp"
 
 namespace claray {
 namespace {
@@ -130,8 +130,8 @@ void add_environment(const GltfFile& file, const tinygltf::Scene& source, const 
         warnings.push_back(std::string("the environment of ") + image_lights +
                            " is tilted: claray turns it about +y only");
     scene.environment.images = std::move(faces);
-    // The quaternion turns directions of the scene into those of the image: so its first implementation, Babylon.js, reads
-    // it, and so EnvironmentTest of Khronos' sample models looks like its screenshot.
+    // The quaternion turns directions of the scene into those of the image: so its first implementation, Babylon.js,
+    // reads it, and so EnvironmentTest of Khronos' sample models looks like its screenshot.
     scene.environment.rotation = -2.f * std::atan2(turn.y, turn.w);
     scene.environment.strength = gltf_number(light, "intensity", 1.f);
 }

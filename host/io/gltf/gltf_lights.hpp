@@ -1,8 +1,8 @@
 // Lights of a glTF: KHR_lights_punctual and EXT_lights_image_based.
 #pragma once
 
-#include "host/io/gltf/gltf_images.hpp"
 #include "host/io/gltf/gltf_nodes.hpp"
+#include "host/io/gltf/materials/gltf_images.hpp"
 
 namespace claray {
 

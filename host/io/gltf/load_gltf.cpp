@@ -11,8 +11,8 @@
 #include "host/io/gltf/gltf_choice.hpp"
 #include "host/io/gltf/gltf_instancing.hpp"
 #include "host/io/gltf/gltf_lights.hpp"
-#include "host/io/gltf/gltf_material.hpp"
 #include "host/io/gltf/gltf_mesh.hpp"
+#include "host/io/gltf/materials/gltf_material.hpp"
 #include "host/io/scene_readers.hpp"
 #include "host/io/strokes.hpp"
 

@@ -1,4 +1,4 @@
-#include "host/io/gltf/gltf_images.hpp"
+#include "host/io/gltf/materials/gltf_images.hpp"
 
 #include "host/io/gltf/decode/data_uri.hpp"
 #include "host/io/image/image_file.hpp"

@@ -1,9 +1,9 @@
-#include "host/io/gltf/gltf_material.hpp"
+#include "host/io/gltf/materials/gltf_material.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "host/io/gltf/gltf_value.hpp"
+#include "host/io/gltf/decode/gltf_value.hpp"
 
 namespace claray {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <functional>
 
-#include "host/io/gltf/gltf_images.hpp"
 #include "host/io/gltf/gltf_mesh.hpp"
+#include "host/io/gltf/materials/gltf_images.hpp"
 #include "host/io/scene_textures.hpp"
 
 namespace claray {
