@@ -110,7 +110,7 @@ Chosen make_visible(Scene& scene, const Camera& camera, float aspect, const MayC
         probe = probe_light(probed, *inside, aspect);
     }
     if (may.light) light(scene, inside.value_or(camera), inside.has_value(), probe, chosen);
-    if (chosen.added.any())
+    if (chosen.added.sky || chosen.added.environment)
         chosen.added.exposure = exposure_for(log_average_of_white(probed, scene, inside.value_or(camera), aspect));
     return chosen;
 }

@@ -22,9 +22,8 @@ struct DefaultLight {
     std::optional<Sky> sky;
     std::optional<Environment> environment;
     std::optional<Light> lamp;
-    /// In stops: of pictures whose exposure is not given.
-    float exposure = 0;
-    [[nodiscard]] bool any() const { return sky || environment || lamp; }
+    /// In stops: of pictures whose exposure is not given. Empty for a lamp, which shows grey as mid-grey.
+    std::optional<float> exposure;
 };
 void add(Scene& scene, const DefaultLight& light);
 

@@ -22,7 +22,7 @@ namespace {
 using std::numbers::pi;
 constexpr double endless = std::numeric_limits<double>::infinity();
 constexpr unsigned side = 32;            // of the grid of camera rays
-constexpr unsigned bounces = 4;          // rays from each visible point
+constexpr unsigned bounces = 4;          // rays from each visible point, or surfaces along a path
 constexpr std::size_t most_lights = 16;  // lights evaluated per point; of more lights this many are drawn at random
 constexpr unsigned most_layers = 32;     // transparent surfaces along a ray
 constexpr double grey = 0.5;             // albedo of surfaces that light others
@@ -245,20 +245,23 @@ double Probe::background(const glm::dvec3& direction) const {
 }
 
 double Probe::lit_white(const ProbeSight& sight, scenes::Random& random) const {
-    constexpr unsigned rays = 64;  // noise would darken the log-average
-    double arriving = irradiance(sight, random);
-    for (unsigned i = 0; i < rays; ++i) {
-        const glm::dvec3 direction = scattered(sight.normal, random);
-        const auto next = look(sight.point, direction);
-        if (!next) {
-            arriving += pi * background(direction) / rays;
-            continue;
+    constexpr unsigned paths = 64;  // noise would darken the log-average
+    double sum = paths * irradiance(sight, random);
+    for (unsigned i = 0; i < paths; ++i) {
+        ProbeSight at = sight;
+        double share = 1;
+        for (unsigned bounce = 0; bounce < bounces; ++bounce) {
+            const glm::dvec3 direction = scattered(at.normal, random);
+            const std::optional<ProbeSight> next = look(at.point, direction);
+            if (!next) {
+                sum += share * pi * background(direction);
+                break;
+            }
+            at = *next, share *= grey;
+            sum += share * irradiance(at, random);
         }
-        const glm::dvec3 onward = scattered(next->normal, random);
-        const double around = look(next->point, onward) ? 0 : pi * background(onward);
-        arriving += grey * (irradiance(*next, random) + around) / rays;
     }
-    return arriving / pi;
+    return sum / (pi * paths);
 }
 
 /// The counts of one row of camera rays.

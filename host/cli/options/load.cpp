@@ -44,9 +44,10 @@ Warnings lines_of(const Chosen& chosen, bool exposes) {
     const std::string sides = chosen.past_backs ? "; --cull none shows one-sided surfaces from both sides" : "";
     Warnings lines;
     if (!chosen.view.empty()) lines.push_back(chosen.view + "; choose another with --camera and --look-at" + sides);
+    exposes = exposes && chosen.added.exposure;
     if (!chosen.light.empty())
         lines.push_back(chosen.light +
-                        (exposes ? printed(", with an exposure of %+.1f stops", double(chosen.added.exposure)) : "") +
+                        (exposes ? printed(", with an exposure of %+.1f stops", double(*chosen.added.exposure)) : "") +
                         "; choose other light with --light, --sky or --environment" +
                         (exposes ? ", and another exposure with --exposure" : "") + (chosen.view.empty() ? sides : ""));
     return lines;

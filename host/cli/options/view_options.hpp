@@ -42,10 +42,8 @@ struct FirstFrame {
     std::optional<Camera> camera;
     std::optional<DefaultLight> light;
 
-    /// Of pictures whose exposure is not given; empty: the scene has light of its own.
-    [[nodiscard]] std::optional<float> exposure() const {
-        return light && light->any() ? std::optional(light->exposure) : std::nullopt;
-    }
+    /// Of pictures whose exposure is not given; empty: the light asks for none.
+    [[nodiscard]] std::optional<float> exposure() const { return light ? light->exposure : std::nullopt; }
 };
 
 /// Loads a scene with the lights and the camera of the command line. Prints warnings, and throws as `load` does.
