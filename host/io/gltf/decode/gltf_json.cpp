@@ -77,7 +77,7 @@ void write_whole_numbers(json& value) {
         value = std::uint64_t(number);
 }
 
-std::string text_of(const json& root) { return root.dump(-1, ' ', false, json::error_handler_t::replace); }
+std::string json_text(const json& root) { return root.dump(-1, ' ', false, json::error_handler_t::replace); }
 
 /// Takes it away: it may hold all bytes.
 std::string take_uri(json& object) {
@@ -118,7 +118,7 @@ json::json_pointer pointer_of(json& target) try {
     json* extension = extension_of(target, "KHR_animation_pointer");
     return json::json_pointer(extension ? extension->value("pointer", std::string()) : std::string());
 } catch (const json::exception&) {  // it is no pointer
-    return {};
+    return json::json_pointer();
 }
 
 /// A pointer to what channels of nodes move is written as such a channel.
@@ -199,7 +199,7 @@ AdaptedJson adapted_to_tinygltf(std::string_view text, const GltfFile& file) {
     for_each_object(root, "images", [&](json& image) { adapted.images.push_back(take_image(image)); });
     std::size_t animations = 0;
     for_each_object(root, "animations", [&](json& animation) { take_pointers(animation, animations++, adapted); });
-    adapted.text = text_of(root);
+    adapted.text = json_text(root);
     return adapted;
 }
 
@@ -208,7 +208,7 @@ std::size_t write_changes(std::string& text, const std::vector<GltfChange>& chan
     const auto fails = [&](const GltfChange& change) { return !write_change(root, change); };
     const auto failed = std::size_t(std::count_if(changes.begin(), changes.end(), fails));
     write_whole_numbers(root);
-    text = text_of(root);
+    text = json_text(root);
     return failed;
 }
 
