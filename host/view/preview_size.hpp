@@ -29,7 +29,7 @@ public:
 
 private:
     /// Of the time for an answer. The rest is for the picture, its way to a browser, and the browser.
-    static constexpr double share_ = 0.3;
+    static constexpr double share_ = 0.2;
     static constexpr double least_ = 0.25;                    // of each side
     static constexpr double longest_ = 1.2, shortest_ = 0.6;  // of the wanted time
     double wanted_;

@@ -187,8 +187,8 @@ TEST(ViewPreview, FindsItsSizeAndKeepsIt) {
                 size.preview_took(taken);
             }
             SCOPED_TRACE(std::to_string(complete) + " first taken for " + std::to_string(first_estimate));
-            EXPECT_LE(taken, 0.02);
-            EXPECT_TRUE(!size.is_smaller() || taken >= 0.009) << taken << " seconds: smaller than it need be";
+            EXPECT_LE(taken, 0.0133);
+            EXPECT_TRUE(!size.is_smaller() || taken >= 0.006) << taken << " seconds: smaller than it need be";
             EXPECT_LE(changes, 4u);
         }
     }
