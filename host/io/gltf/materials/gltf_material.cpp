@@ -79,8 +79,7 @@ std::uint32_t GltfMaterials::index_of(int material, const std::string& user) {
     scene_.materials.push_back(std::move(made));
     for (int slot = 0; slot < 2; ++slot)
         if (used_sets_[std::size_t(slot)] == no_set) used_sets_[std::size_t(slot)] = slot;
-    uv_sets_.resize(scene_.materials.size(), {0, 1});
-    uv_sets_.back() = used_sets_;
+    uv_sets_.push_back(used_sets_);
     return index;
 }
 
